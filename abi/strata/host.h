@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * strata/host.h - embedding Strata: open an instance, load or generate a scene, plan, render, read
+ * the image and the account. The command line is a client of this header and of nothing else.
+ *
+ *     strata *s; strata_open(NULL, &s);
+ *     strata_scene *scene; strata_scene_load(s, "scene.gltf", &scene);
+ *     strata_render(s, scene, &(strata_render_options){.struct_size = sizeof(strata_render_options)});
+ *     strata_save(s, STRATA_OUTPUT_COLOR, "image.png");
+ *     strata_scene_close(scene); strata_close(s);
+ *
+ * Instances are independent of each other and may live on different threads; one instance and its
+ * scenes are used by one thread at a time. After a failure strata_error() has one line.
+ */
+#ifndef STRATA_HOST_H
+#define STRATA_HOST_H
+
+#include "base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct strata strata;             /* an instance: device, modules, caches */
+typedef struct strata_scene strata_scene; /* a scene, loaded or generated */
+
+typedef struct strata_open_options {
+    uint32_t struct_size;
+    uint32_t check;           /* 1: validation layers of the driver; also STRATA_CHECK=1 */
+    const char *backend;      /* "vulkan", "gl" or "null"; NULL = vulkan, else gl */
+    const char *device;       /* index, or a part of the device's name; NULL = the first */
+    const char *module_path;  /* folders, ':'-separated; NULL = STRATA_MODULE_PATH, else the installed */
+    const char *cache_dir;    /* NULL = STRATA_CACHE_DIR, else the user's cache; "" = none */
+    uint64_t memory;          /* bytes of device memory that techniques may take; 0 = what is there */
+    const char *inject;       /* faults for tests: "allocation:N", "lost:N", or NULL */
+} strata_open_options;
+
+/* Opens an instance; the device is opened at the first render, so that listing and planning need
+ * none. options NULL = defaults. The caller owns *out and ends it with strata_close. */
+STRATA_EXPORT strata_result strata_open(const strata_open_options *options, strata **out);
+STRATA_EXPORT void strata_close(strata *s); /* NULL is fine; its scenes must be closed before */
+
+/* The line of the last failure on this instance, "" if none; valid until the next call. s NULL: of
+ * the last strata_open that failed on this thread. */
+STRATA_EXPORT const char *strata_error(const strata *s);
+
+STRATA_EXPORT uint32_t strata_version(void); /* STRATA_ABI_VERSION of the library */
+
+/* ---- scenes ----------------------------------------------------------------------------------- */
+
+/* Reads .gltf or .glb, or generates a procedural scene when path is "scene:NAME[?K=V[&K=V]..]".
+ * NOT_FOUND, BAD_FILE, IO, OUT_OF_HOST_MEMORY. The caller owns *out. */
+STRATA_EXPORT strata_result strata_scene_load(strata *s, const char *path, strata_scene **out);
+/* knobs: `count` strings "K=V". */
+STRATA_EXPORT strata_result strata_scene_generate(strata *s, const char *name,
+                                                  const char *const *knobs, uint32_t count,
+                                                  strata_scene **out);
+STRATA_EXPORT strata_result strata_scene_save(strata_scene *scene, const char *path); /* GLB */
+STRATA_EXPORT void strata_scene_close(strata_scene *scene);
+
+/* Edits, seen by the next render. Instances are numbered in file order. */
+STRATA_EXPORT strata_result strata_scene_set_time(strata_scene *scene, double seconds);
+STRATA_EXPORT strata_result strata_scene_set_transform(strata_scene *scene, uint32_t instance,
+                                                       const float world[16]);
+STRATA_EXPORT strata_result strata_scene_set_visible(strata_scene *scene, uint32_t instance,
+                                                     uint32_t visible);
+
+/* ---- rendering -------------------------------------------------------------------------------- */
+
+#define STRATA_OUTPUT_COLOR 1u /* linear float RGBA, premultiplied */
+#define STRATA_OUTPUT_DEPTH 2u /* eye depth of the opaque surface in R, +inf where there is none */
+#define STRATA_OUTPUT_BOUND 4u /* certified error for each channel, +inf = uncertified */
+#define STRATA_OUTPUT_DEEP 8u  /* every fragment; saved as deep EXR only */
+
+typedef struct strata_render_options {
+    uint32_t struct_size;
+    uint32_t width, height;     /* pixels; 0 = 800 x 600 */
+    uint32_t outputs;           /* STRATA_OUTPUT_* beside colour, ORed */
+    const char *use;            /* techniques to use, "id,id"; NULL = the plan decides */
+    const char *effects;        /* "auto" (or NULL), "none", or "id,id" */
+    const char *const *settings; /* "ID.KNOB=VALUE" */
+    uint32_t setting_count;
+    uint32_t samples;           /* sub-pixels a pixel, 0 = 1 */
+    const char *camera;         /* name, index or "orbit:AZIMUTH,ELEVATION" in degrees; NULL = first, else orbit */
+    float background[4];        /* linear, premultiplied RGBA, used when has_background is 1 */
+    uint32_t has_background;    /* 0: opaque (0.2, 0.2, 0.2) */
+    uint32_t repeat;            /* frames to render, 0 = 1; the last is kept, all are accounted */
+    uint32_t bands;             /* at least this many bands, 0 = as memory asks; for tests */
+    uint32_t shuffle;           /* not 0: seed that permutes draws and triangles as submitted; for tests */
+    double turn;                /* degrees that the camera turns about the vertical each frame */
+    double tolerance;           /* largest certified error asked for; 0 = exact techniques */
+    /* Progress of long work, 0..1; return not OK to stop (CANCELLED). NULL = none. */
+    strata_result (*progress)(void *user, double done);
+    void *user;
+} strata_render_options;
+
+/* Renders. options NULL = defaults. The image stays with the instance until the next render.
+ * PARTIAL: done, but less than was asked for; the account says what. */
+STRATA_EXPORT strata_result strata_render(strata *s, strata_scene *scene,
+                                          const strata_render_options *options);
+
+/* Copies the rendered pixels: width * height * 4 floats, row 0 the top of the picture. size is in
+ * bytes and must fit exactly. INVALID_STATE before the first render or for an output not asked for. */
+STRATA_EXPORT strata_result strata_read(strata *s, uint32_t output, float *pixels, size_t size);
+STRATA_EXPORT strata_result strata_size(const strata *s, uint32_t *width, uint32_t *height);
+
+/* Saves an output; the suffix chooses .png (sRGB, 8 bit) or .exr (linear float; deep for DEEP). */
+STRATA_EXPORT strata_result strata_save(strata *s, uint32_t output, const char *path);
+
+/* ---- text: JSON, one object, through a callback ----------------------------------------------- */
+
+STRATA_EXPORT strata_result strata_account(strata *s, strata_write_fn write, void *user);
+/* What the scene calls for, what would run, what would not, and why. options as for strata_render. */
+STRATA_EXPORT strata_result strata_plan(strata *s, strata_scene *scene,
+                                        const strata_render_options *options,
+                                        strata_write_fn write, void *user);
+/* Installed modules, techniques, effects, knobs; devices; procedural scenes. */
+STRATA_EXPORT strata_result strata_list(strata *s, strata_write_fn write, void *user);
+
+/* Compares two image files of one size: {"max","rmse","psnr"}; heat: PNG path or NULL. */
+STRATA_EXPORT strata_result strata_compare(strata *s, const char *a, const char *b,
+                                           const char *heat, strata_write_fn write, void *user);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
