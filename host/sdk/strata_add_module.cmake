@@ -1,0 +1,3 @@
+# SPDX-License-Identifier: MIT
+function(strata_add_module id)
+endfunction()
