@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+//
+// fragments/1, the exchange format between capture and resolve: key and order of a fragment, ranges
+// of a pixel, records in planes. STRATA_RANGES and STRATA_RECORDS are the qualifiers (readonly,
+// writeonly or empty) with which a stage touches them; the payload planes, StrataPayload and its
+// packing come from the generated effect header.
+#ifndef STRATA_FRAGMENTS_GLSL
+#define STRATA_FRAGMENTS_GLSL
+
+#include "strata/frame.glsl"
+
+#ifndef STRATA_RANGES
+#define STRATA_RANGES readonly
+#endif
+#ifndef STRATA_RECORDS
+#define STRATA_RECORDS readonly
+#endif
+
+const uint STRATA_END = 0xffffffffu;    // no next record
+const uint STRATA_NO_KEY = 0xffffffffu; // beyond every key: keys end at 0x3f800000
+
+layout(std430) STRATA_RANGES buffer StrataRanges { uvec2 strata_ranges[]; };
+layout(std430) STRATA_RECORDS buffer StrataKeys { uvec2 strata_keys[]; };
+#if STRATA_LAYOUT == 1
+layout(std430) STRATA_RECORDS buffer StrataLinks { uvec2 strata_links[]; };
+#endif
+
+// Ascends from near to far; exact, since depth bits of non-negative floats order as integers.
+uint strata_key(float depth) {
+    float z = clamp(depth, 0.0, 1.0) + 0.0; // -0 becomes +0
+    return 0x3f800000u - floatBitsToUint(z);
+}
+
+// At equal depth the later primitive lies in front.
+uint strata_order(uint primitive) { return 0xffffffffu - primitive; }
+
+bool strata_before(uvec2 a, uvec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
+
+#endif
