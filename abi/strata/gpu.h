@@ -186,6 +186,16 @@ typedef struct strata_pass {
     uint32_t reserved;
 } strata_pass;
 
+/* Work groups of 64 invocations for `items`, in rows of 32,768, so that no device's limit on one
+ * dimension is met. strata_item() in shaders/strata/scan.glsl is the other half. */
+#define STRATA_GROUP_ROW 32768u
+static inline void strata_groups(uint64_t items, uint32_t groups[3]) {
+    const uint64_t count = (items + 63u) / 64u;
+    groups[0] = count < STRATA_GROUP_ROW ? (uint32_t)count : STRATA_GROUP_ROW;
+    groups[1] = (uint32_t)((count + STRATA_GROUP_ROW - 1u) / STRATA_GROUP_ROW);
+    groups[2] = 1;
+}
+
 /* Facts, features and self-tests are asked for by string id, for example "limit.storage_range"
  * (bytes), "feature.int64_atomics", "selftest.ordered_rmw" (0 or 1). Unknown ids are 0. The list
  * is in the guide. */

@@ -17,13 +17,14 @@
 typedef struct gpu gpu;
 typedef struct gpu_scope gpu_scope;
 
-/* ---- errors the validation layer can report: enum, and a text with %s for names. Tests assert the
- * enum through gpu_last_code(). */
+/* ---- errors the validation layer can report: enum and text; the line says owner, pass and name in
+ * front of it. Tests assert the enum through gpu_last_code(). */
 #define GPU_ERRORS(X)                                                                              \
     X(NONE, "no error")                                                                            \
     X(STATE, "called in a state that does not allow it")                                           \
     X(HANDLE_UNKNOWN, "unknown handle")                                                            \
     X(HANDLE_DEAD, "the object's scope has ended")                                                 \
+    X(VALUE, "a value is missing or out of its range")                                             \
     X(STRUCT_SIZE, "struct_size is too small or its unknown tail is not zero")                     \
     X(BUFFER_SIZE, "buffer size must be positive and a multiple of 4")                             \
     X(BUFFER_RANGE, "offset or size lies outside the buffer")                                      \

@@ -32,6 +32,9 @@ const demand_fact *demand_find(const demand *d, const char *id);
  */
 int demand_material_counts(const scene_material *material, const char *fact);
 
+/* A number as people read it: "2,060". Returns text. */
+const char *demand_number(uint64_t value, char text[32]);
+
 /* What a fact counts, one line for help and lists; NULL past the last. *id is set. */
 const char *demand_describe(uint32_t index, const char **id);
 

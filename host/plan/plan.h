@@ -4,20 +4,19 @@
  * and why each other one was left out. A pure function of its input: no GPU, no file, no dlopen, no
  * globals. Third noun of scene -> demand -> plan -> frame -> fragments -> image.
  *
- * Modules are described by strata_module descriptors of which only data is read: functions and GLSL
- * may be NULL, as in descriptors that were decoded from a module's ELF note.
+ * Modules are their notes (modules/modules.h): data, read from the files without opening them.
  */
 #ifndef STRATA_HOST_PLAN_H
 #define STRATA_HOST_PLAN_H
 
 #include <jansson.h>
 
+#include "modules/modules.h"
 #include "plan/demand.h"
-#include "strata/technique.h"
 
-#define PLAN_MAX_CHANNELS 32u /* of a record's payload, all fields together */
-#define PLAN_MAX_FIELDS   16u
-#define PLAN_NO_COST      (-1.0)
+#define PLAN_MAX_FIELDS 16u
+#define PLAN_MAX_PLANES (STRATA_MAX_PLANES - 2u) /* of payload: beside keys and links */
+#define PLAN_NO_COST    (-1.0)
 
 /* ---- input ----------------------------------------------------------------------------------- */
 
@@ -26,10 +25,10 @@ typedef struct plan_exclusion {
     const char *technique, *reason;
 } plan_exclusion;
 
-/* Everything is borrowed; descriptors and `modules` must outlive the plan. Zero = default. */
+/* Everything is borrowed; the notes must outlive the plan. Zero = default. */
 typedef struct plan_input {
     const demand *demand;
-    const strata_module *const *modules;
+    const modules_note *const *modules;
     uint32_t module_count;
     uint32_t setting_count;
     const strata_scene_stats *stats;
@@ -52,8 +51,7 @@ typedef struct plan_input {
 /* ---- output ---------------------------------------------------------------------------------- */
 
 typedef struct plan_effect {
-    const strata_effect *effect;
-    const strata_module *module;
+    const modules_effect_note *effect;
     uint32_t called_for; /* 1: the scene calls for it */
     uint32_t active;     /* 1: in this frame */
     uint32_t forced;     /* 1: switched on or off by the user against the scene */
@@ -63,8 +61,7 @@ typedef struct plan_effect {
 } plan_effect;
 
 typedef struct plan_technique {
-    const strata_technique *technique;
-    const strata_module *module;
+    const modules_technique_note *technique;
     double *values;           /* settings.values */
     strata_settings settings; /* every knob resolved, in the order of the technique's knobs */
     double cost;              /* in blended fragments; PLAN_NO_COST when unknown */
@@ -72,9 +69,7 @@ typedef struct plan_technique {
 } plan_technique;
 
 typedef struct plan_left_out {
-    const char *id; /* technique */
-    const strata_technique *technique;
-    const strata_module *module;
+    const modules_technique_note *technique;
     double cost; /* of the cheapest way to use it; PLAN_NO_COST when it was not compared */
     char reason[256];
 } plan_left_out;
@@ -150,7 +145,7 @@ double plan_floors(const plan *p, double cost);
 
 /* Payload of these effects at this precision (payload.c). INVALID_ARGUMENT: two effects disagree
  * about a field; OVERFLOW: more fields, channels or planes than a record can have. */
-strata_result plan_payload_make(const strata_effect *const *effects, uint32_t count,
+strata_result plan_payload_make(const modules_effect_note *const *effects, uint32_t count,
                                 uint32_t precision, plan_payload *out, base_error *err);
 
 /* ---- as JSON (json.c); the shapes are in the guide. New references; NULL when out of memory. ---
@@ -158,7 +153,7 @@ strata_result plan_payload_make(const strata_effect *const *effects, uint32_t co
 json_t *plan_json(const plan *p);         /* one object; scene, size and device are the caller's */
 json_t *plan_json_effects(const plan *p); /* its "effects", also the account's */
 json_t *plan_json_techniques(const plan *p); /* its "techniques", the account's "plan" */
-json_t *plan_json_modules(const strata_module *const *modules,
+json_t *plan_json_modules(const modules_note *const *modules,
                           uint32_t count); /* list's "modules" */
 
 #endif

@@ -190,19 +190,51 @@ scene_material *scene_add_material(scene *s, size_t *capacity) {
 
 /* ---- flat normals ---------------------------------------------------------------------------- */
 
-/* Replaces *attribute[vertex_count][width] by its values at the mesh's indices. */
-static int expand(float **attribute, const scene_mesh *mesh, size_t width) {
-    if (!*attribute)
+/* Replaces *attribute[vertex_count], of `size` bytes each, by its values at the mesh's indices. */
+static int expand(const scene_mesh *mesh, void *attribute, size_t size) {
+    unsigned char *from, *expanded;
+    memcpy(&from, attribute, sizeof from);
+    if (!from || size == 0)
         return 1;
-    float *expanded = base_calloc(mesh->index_count, width * sizeof *expanded);
+    expanded = base_calloc(mesh->index_count, size);
     if (!expanded)
         return 0;
     for (size_t i = 0; i < mesh->index_count; i++)
-        memcpy(expanded + i * width, *attribute + (size_t)mesh->indices[i] * width,
-               width * sizeof *expanded);
+        memcpy(expanded + i * size, from + (size_t)mesh->indices[i] * size, size);
+    free(from);
+    memcpy(attribute, &expanded, sizeof expanded);
+    return 1;
+}
+
+/* The same for each morph target in *attribute[target_count][vertex_count][3]. */
+static int expand_targets(const scene_mesh *mesh, float **attribute) {
+    size_t count = mesh->index_count, targets = mesh->deform->target_count;
+    if (!*attribute)
+        return 1;
+    if (count * targets > SIZE_MAX / (3 * sizeof(float)))
+        return 0;
+    float *expanded = base_calloc(count * targets, 3 * sizeof *expanded);
+    if (!expanded)
+        return 0;
+    for (size_t t = 0; t < targets; t++)
+        for (size_t i = 0; i < count; i++)
+            memcpy(expanded + (t * count + i) * 3,
+                   *attribute + (t * mesh->vertex_count + mesh->indices[i]) * 3,
+                   3 * sizeof *expanded);
     free(*attribute);
     *attribute = expanded;
     return 1;
+}
+
+static int expand_deform(const scene_mesh *mesh) {
+    scene_deform *d = mesh->deform;
+    return !d ||
+           (expand(mesh, &d->joints, d->influences * sizeof *d->joints) &&
+            expand(mesh, &d->weights, d->influences * sizeof *d->weights) &&
+            expand(mesh, &d->rest_positions, 3 * sizeof(float)) &&
+            expand(mesh, &d->rest_tangents, 4 * sizeof(float)) &&
+            expand_targets(mesh, &d->target_positions) &&
+            expand_targets(mesh, &d->target_normals) && expand_targets(mesh, &d->target_tangents));
 }
 
 /* The unit normal of a counter-clockwise triangle, in double so that tiny and huge ones have one;
@@ -232,9 +264,11 @@ void scene_flat_normals_update(scene_mesh *mesh) {
 
 strata_result scene_flat_normals(scene_mesh *mesh, base_error *err) {
     float *normals = base_calloc(mesh->index_count, 3 * sizeof *normals);
-    if (!normals || !expand(&mesh->positions, mesh, 3) || !expand(&mesh->tangents, mesh, 4) ||
-        !expand(&mesh->uv0, mesh, 2) || !expand(&mesh->uv1, mesh, 2) ||
-        !expand(&mesh->colors, mesh, 4)) {
+    if (!normals || !expand(mesh, &mesh->positions, 3 * sizeof(float)) ||
+        !expand(mesh, &mesh->tangents, 4 * sizeof(float)) ||
+        !expand(mesh, &mesh->uv0, 2 * sizeof(float)) ||
+        !expand(mesh, &mesh->uv1, 2 * sizeof(float)) ||
+        !expand(mesh, &mesh->colors, 4 * sizeof(float)) || !expand_deform(mesh)) {
         free(normals);
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "no memory for normals");
     }

@@ -26,7 +26,6 @@
 #define STRATA_CHAIN_15(o, r) STRATA_CHAIN_8(o, r) STRATA_CHAIN_7((o) + 16 * (r), r)
 #define STRATA_CHAIN_16(o, r) STRATA_CHAIN_8(o, r) STRATA_CHAIN_8((o) + 16 * (r), r)
 #define STRATA_CHAIN_31(o, r) STRATA_CHAIN_16(o, r) STRATA_CHAIN_15((o) + 32 * (r), r)
-#define STRATA_CHAIN_32(o, r) STRATA_CHAIN_16(o, r) STRATA_CHAIN_16((o) + 32 * (r), r)
 
 // STRATA_MERGE_n(o, r): merges the sorted halves of the n elements o, o + r, o + 2 r, ...
 #define STRATA_MERGE_2(o, r) STRATA_EXCHANGE(o, (o) + (r))

@@ -1,0 +1,318 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Technique module `abuffer`: captures every transparent fragment, in whatever order it arrives.
+ *
+ *   contiguous  count (additive blending) -> sums -> offsets -> ranges -> store: exactly as many
+ *               records as fragments (S-buffer, Vasilakis and Fudos 2012)
+ *   linked      heads -> store: one geometry pass, a list for each pixel (Yang et al. 2010)
+ *
+ * Fills fragments/1. Nothing is dropped: a pool that is too small is counted, grown by the host, and
+ * the frame recorded again.
+ */
+#include "abuffer_glsl.h"
+#include "strata/strata.h"
+
+#include <string.h>
+
+enum { GROUP = 64, PIXELS_PER_GROUP = 64 * GROUP, COUNT_LIMIT = 1 << 24 };
+
+typedef struct abuffer {
+    const strata_gpu *gpu;
+    uint32_t layout;
+    strata_draws draws;
+    strata_image limit, count;
+    strata_buffer ranges, sums, stats;
+    strata_pool records;
+    strata_program count_program, sums_program, blocksums_program, ranges_program, heads_program,
+        store_program;
+} abuffer;
+
+static const strata_glsl *const includes[] = {&blocks_glsl, NULL};
+
+static strata_result program(const abuffer *a, uint32_t kind, const char *label,
+                             const strata_glsl *source, strata_program *out) {
+    return a->gpu->program_create(a->gpu->self,
+                                  &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
+                                                         .kind = kind,
+                                                         .label = label,
+                                                         .source = source,
+                                                         .includes = includes},
+                                  out);
+}
+
+static strata_result buffer(const abuffer *a, const char *label, uint64_t size, strata_buffer *out) {
+    return a->gpu->buffer_create(
+        a->gpu->self,
+        &(strata_buffer_desc){
+            .struct_size = sizeof(strata_buffer_desc), .label = label, .size = size},
+        out);
+}
+
+static strata_result create(void *state, const strata_host *host, const strata_gpu *gpu) {
+    (void)host;
+    ((abuffer *)state)->gpu = gpu;
+    return STRATA_OK;
+}
+
+/* Planes: keys, the payload's, and links when records are linked. */
+static strata_result create_records(abuffer *a, const strata_view *view) {
+    static const char *const payload_names[STRATA_MAX_PLANES] = {
+        "StrataPayload0", "StrataPayload1", "StrataPayload2", "StrataPayload3",
+        "StrataPayload4", "StrataPayload5", "StrataPayload6", "StrataPayload7"};
+    strata_pool_desc desc = {.struct_size = sizeof desc,
+                             .label = "fragments",
+                             .counter_name = "StrataFragmentPool",
+                             .plane_names = {"StrataKeys"},
+                             .plane_strides = {8},
+                             .plane_count = 1};
+    if (a->layout == STRATA_FRAGMENTS_LINKED) {
+        desc.plane_names[desc.plane_count] = "StrataLinks";
+        desc.plane_strides[desc.plane_count++] = 8;
+    }
+    if (view->payload_plane_count > STRATA_MAX_PLANES - desc.plane_count)
+        return STRATA_ERROR_UNSUPPORTED;
+    for (uint32_t i = 0; i < view->payload_plane_count; ++i) {
+        desc.plane_names[desc.plane_count] = payload_names[i];
+        desc.plane_strides[desc.plane_count++] = view->payload_plane_strides[i];
+    }
+    return a->gpu->pool_create(a->gpu->self, &desc, &a->records);
+}
+
+static strata_result prepare_contiguous(abuffer *a, const strata_view *view, uint64_t pixels) {
+    const strata_image_desc count = {.struct_size = sizeof count,
+                                     .label = "fragment count",
+                                     .format = STRATA_FORMAT_R32F,
+                                     .width = view->width,
+                                     .height = view->height};
+    uint64_t groups = (pixels + PIXELS_PER_GROUP - 1) / PIXELS_PER_GROUP;
+    strata_result r = a->gpu->image_create(a->gpu->self, &count, &a->count);
+    if (r == STRATA_OK)
+        r = buffer(a, "block sums", groups * 4, &a->sums);
+    if (r == STRATA_OK)
+        r = program(a, STRATA_PROGRAM_SCENE, "count", &count_frag_glsl, &a->count_program);
+    if (r == STRATA_OK)
+        r = program(a, STRATA_PROGRAM_COMPUTE, "sums", &sums_comp_glsl, &a->sums_program);
+    if (r == STRATA_OK)
+        r = program(a, STRATA_PROGRAM_COMPUTE, "offsets", &blocksums_comp_glsl,
+                    &a->blocksums_program);
+    if (r == STRATA_OK)
+        r = program(a, STRATA_PROGRAM_COMPUTE, "ranges", &ranges_comp_glsl, &a->ranges_program);
+    return r;
+}
+
+static strata_result prepare(void *state, const strata_view *view) {
+    abuffer *a = state;
+    const uint64_t pixels = (uint64_t)view->band_width * view->band_height;
+    a->layout = view->layout;
+    a->draws = view->draws(view->self, "draws.transparent/1");
+    a->limit = view->image(view->self, "limit/1");
+    strata_result r = buffer(a, "ranges", pixels * 8, &a->ranges);
+    if (r == STRATA_OK)
+        r = buffer(a, "statistics", 8, &a->stats);
+    if (r == STRATA_OK)
+        r = create_records(a, view);
+    if (r == STRATA_OK && a->layout == STRATA_FRAGMENTS_LINKED)
+        r = program(a, STRATA_PROGRAM_COMPUTE, "heads", &heads_comp_glsl, &a->heads_program);
+    if (r == STRATA_OK && a->layout == STRATA_FRAGMENTS_CONTIGUOUS)
+        r = prepare_contiguous(a, view, pixels);
+    if (r == STRATA_OK)
+        r = program(a, STRATA_PROGRAM_SCENE, "store", &store_frag_glsl, &a->store_program);
+    if (r == STRATA_OK)
+        r = view->publish_fragments(view->self,
+                                    &(strata_fragments){.struct_size = sizeof(strata_fragments),
+                                                        .layout = a->layout,
+                                                        .ranges = a->ranges,
+                                                        .records = a->records});
+    return r;
+}
+
+static void record_count(const abuffer *a, const strata_frame *frame) {
+    const uint32_t pixels = frame->band_width * frame->band_height;
+    const uint32_t groups = (pixels + PIXELS_PER_GROUP - 1) / PIXELS_PER_GROUP;
+    const strata_bind count = {.struct_size = sizeof count, .name = "count_image", .image = a->count};
+    const strata_bind sums = {.struct_size = sizeof sums, .name = "Sums", .buffer = a->sums};
+    const strata_bind stats = {.struct_size = sizeof stats, .name = "Stats", .buffer = a->stats};
+    const strata_bind ranges = {
+        .struct_size = sizeof ranges, .name = "StrataRanges", .buffer = a->ranges};
+    const strata_bind records = {.struct_size = sizeof records, .pool = a->records};
+
+    frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
+                                            .label = "count",
+                                            .program = a->count_program,
+                                            .draws = a->draws,
+                                            .color = &(strata_attachment){
+                                                .struct_size = sizeof(strata_attachment),
+                                                .image = a->count,
+                                                .load = STRATA_LOAD_CLEAR,
+                                                .blend = STRATA_BLEND_ADD},
+                                            .color_count = 1,
+                                            .depth = &(strata_attachment){
+                                                .struct_size = sizeof(strata_attachment),
+                                                .image = a->limit},
+                                            .depth_test = STRATA_TEST_GREATER_EQUAL});
+    frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
+                                            .label = "sums",
+                                            .program = a->sums_program,
+                                            .groups = {groups},
+                                            .binds = (const strata_bind[]){count, sums, stats},
+                                            .bind_count = 3});
+    frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
+                                            .label = "offsets",
+                                            .program = a->blocksums_program,
+                                            .groups = {1},
+                                            .params = &groups,
+                                            .params_size = sizeof groups,
+                                            .binds = (const strata_bind[]){sums, stats, records},
+                                            .bind_count = 3});
+    frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
+                                            .label = "ranges",
+                                            .program = a->ranges_program,
+                                            .groups = {groups},
+                                            .binds = (const strata_bind[]){count, sums, ranges},
+                                            .bind_count = 3});
+}
+
+static void record_heads(const abuffer *a, const strata_frame *frame) {
+    const strata_bind ranges = {
+        .struct_size = sizeof ranges, .name = "StrataRanges", .buffer = a->ranges};
+    strata_pass pass = {.struct_size = sizeof pass,
+                        .label = "heads",
+                        .program = a->heads_program,
+                        .binds = &ranges,
+                        .bind_count = 1};
+    strata_groups((uint64_t)frame->band_width * frame->band_height, pass.groups);
+    frame->pass(frame->self, &pass);
+}
+
+static void record(void *state, const strata_frame *frame) {
+    const abuffer *a = state;
+    frame->fill(frame->self, a->stats, 0, 0, 0);
+    if (a->layout == STRATA_FRAGMENTS_CONTIGUOUS)
+        record_count(a, frame);
+    else
+        record_heads(a, frame);
+
+    const strata_bind binds[] = {
+        {.struct_size = sizeof(strata_bind), .name = "StrataRanges", .buffer = a->ranges},
+        {.struct_size = sizeof(strata_bind), .pool = a->records}};
+    frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
+                                            .label = "store",
+                                            .program = a->store_program,
+                                            .draws = a->draws,
+                                            .binds = binds,
+                                            .bind_count = 2,
+                                            .depth = &(strata_attachment){
+                                                .struct_size = sizeof(strata_attachment),
+                                                .image = a->limit},
+                                            .depth_test = STRATA_TEST_GREATER_EQUAL});
+}
+
+static strata_result verify(void *state, const strata_frame *frame) {
+    const abuffer *a = state;
+    uint32_t stats[2] = {0, 0}; /* largest count, total */
+    if (a->layout == STRATA_FRAGMENTS_LINKED)
+        return STRATA_OK; /* the pool counted; nothing else can go wrong */
+    strata_result r = frame->read(frame->self, a->stats, 0, sizeof stats, stats);
+    if (r != STRATA_OK)
+        return r;
+    if (stats[0] >= COUNT_LIMIT) {
+        frame->fail(frame->self, STRATA_ERROR_OVERFLOW,
+                    "a pixel holds 2^24 fragments or more; abuffer.mode=linked has no such limit");
+        return STRATA_ERROR_OVERFLOW;
+    }
+    return STRATA_OK;
+}
+
+static void destroy(void *state) {
+    memset(state, 0, sizeof(abuffer));
+}
+
+/* ---- what the plan reads ------------------------------------------------------------------------ */
+
+static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
+                              strata_cost *cost) {
+    static const uint64_t payload_bytes[] = {16, 8, 4}; /* STRATA_PAYLOAD_*, of plain transparency */
+    (void)stats;
+    const int linked = settings->values[0] > 0;
+    cost->bytes_per_pixel = linked ? 8 : 12;
+    cost->bytes_per_fragment = 8 + payload_bytes[(int)settings->values[1]] + (linked ? 8 : 0);
+    cost->bytes_fixed = 64;
+    return STRATA_OK;
+}
+
+static const strata_slot_use draws_use = {.struct_size = sizeof(strata_slot_use),
+                                          .use = STRATA_SLOT_CONSUMES,
+                                          .slot = "draws.transparent/1"};
+static const strata_slot_use limit_use = {
+    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_CONSUMES, .slot = "limit/1"};
+static const strata_slot_use fragments_use = {
+    .struct_size = sizeof(strata_slot_use),
+    .use = STRATA_SLOT_PRODUCES,
+    .slot = "fragments/1",
+    .layouts = 1u << STRATA_FRAGMENTS_CONTIGUOUS | 1u << STRATA_FRAGMENTS_LINKED};
+static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &fragments_use};
+
+static const char *const mode_choices[] = {"contiguous", "linked", NULL};
+static const char *const payload_choices[] = {"float", "half", "unorm8", NULL};
+static const strata_knob mode = {.struct_size = sizeof(strata_knob),
+                                 .type = STRATA_KNOB_CHOICE,
+                                 .name = "mode",
+                                 .title = "how records are laid out",
+                                 .maximum = 1,
+                                 .choices = mode_choices};
+static const strata_knob payload = {.struct_size = sizeof(strata_knob),
+                                    .type = STRATA_KNOB_CHOICE,
+                                    .name = "payload",
+                                    .title = "precision of what a record holds",
+                                    .maximum = 2,
+                                    .choices = payload_choices,
+                                    .trades_accuracy = 1};
+static const strata_knob *const knobs[] = {&mode, &payload};
+
+static const strata_promises promises = {
+    .struct_size = sizeof(strata_promises),
+    .order = STRATA_ORDER_EXACT,
+    .determinism = STRATA_DETERMINISM_BIT,
+    .memory = "contiguous: 12 pixels + (8 + payload) fragments; "
+              "linked: 8 pixels + (16 + payload) fragments; payload: unorm8 4, half 8, float 16"};
+
+static const strata_cost_model cost = {.struct_size = sizeof(strata_cost_model),
+                                       .frame = 20000,
+                                       .per_pixel = 0.3,
+                                       .per_fragment = 2.4,
+                                       .per_triangle = 8};
+
+static const strata_technique technique = {
+    .struct_size = sizeof(strata_technique),
+    .state_size = sizeof(abuffer),
+    .id = "abuffer",
+    .title = "A-buffer: every fragment, in exactly sized or linked storage",
+    .reference = "Carpenter 1984; Yang et al. 2010; Vasilakis and Fudos 2012 (S-buffer)",
+    .stage = "capture",
+    .slots = slots,
+    .slot_count = 3,
+    .knobs = knobs,
+    .knob_count = 2,
+    .promises = &promises,
+    .cost = &cost,
+    .estimate = estimate,
+    .create = create,
+    .prepare = prepare,
+    .record = record,
+    .verify = verify,
+    .destroy = destroy,
+};
+static const strata_technique *const techniques[] = {&technique};
+
+STRATA_EXPORT extern const strata_module strata_module_v1;
+const strata_module strata_module_v1 = {
+    .struct_size = sizeof(strata_module),
+    .abi_version = STRATA_ABI_VERSION,
+    .min_host_version = STRATA_VERSION(1, 0),
+    .id = "abuffer",
+    .title = "A-buffer",
+    .version = "1.0",
+    .licence = "MIT",
+    .techniques = techniques,
+    .technique_count = 1,
+};

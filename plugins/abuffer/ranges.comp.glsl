@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+//
+// abuffer, contiguous, pass 4: the range of each pixel. Offsets are written as the range's end; the
+// store pass counts them down, so that afterwards they are its beginning and no cursor is kept.
+#define STRATA_RANGES writeonly
+#include "strata/fragments.glsl"
+#include "strata/scan.glsl"
+#include "blocks.glsl"
+
+uniform sampler2D count_image;
+layout(std430) readonly buffer Sums { uint sums[]; };
+
+uint count_at(uint pixel) {
+    return pixel < strata_pixel_count()
+               ? uint(texelFetch(count_image, ivec2(strata_position(pixel)), 0).r)
+               : 0u;
+}
+
+void main() {
+    uint sum = 0u;
+    for (uint i = 0u; i < PIXELS_PER_INVOCATION; ++i)
+        sum += count_at(block_pixel(i));
+    uint total;
+    uint end = strata_add(sums[gl_WorkGroupID.x], strata_scan(sum, total));
+    for (uint i = 0u; i < PIXELS_PER_INVOCATION; ++i) {
+        uint pixel = block_pixel(i);
+        uint count = count_at(pixel);
+        end = strata_add(end, count);
+        if (pixel < strata_pixel_count())
+            strata_ranges[pixel] = uvec2(end, count);
+    }
+}

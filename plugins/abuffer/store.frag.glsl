@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+//
+// abuffer, last geometry pass: shades each fragment and stores its record, in its pixel's range
+// (contiguous) or at the head of its pixel's list (linked). No colour output: a later triangle's
+// opaque output may make a driver drop a tile's storage writes.
+#define STRATA_RANGES coherent
+#define STRATA_RECORDS writeonly
+#define STRATA_PAYLOAD_ACCESS writeonly
+#include "strata/shading.glsl"
+#include "strata/fragments.glsl"
+#include "strata/effects.glsl"
+
+layout(early_fragment_tests) in;
+layout(std430) buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
+
+uint take_slot(uint pixel) {
+#if STRATA_LAYOUT == 1
+    uint slot = atomicAdd(strata_needed, 1u);
+    atomicAdd(strata_ranges[pixel].y, 1u);
+    if (slot < strata_capacity)
+        strata_links[slot] = uvec2(atomicExchange(strata_ranges[pixel].x, slot), pixel);
+    return slot;
+#else
+    return atomicAdd(strata_ranges[pixel].x, 0xffffffffu) - 1u;
+#endif
+}
+
+void main() {
+    StrataSurface surface;
+    if (!strata_surface(surface))
+        discard;
+    uint slot = take_slot(strata_pixel(uvec2(gl_FragCoord.xy)));
+    if (slot >= strata_capacity)
+        return;
+    strata_keys[slot] = uvec2(strata_key(gl_FragCoord.z), strata_order(surface.primitive));
+    StrataPayload payload = strata_emit(surface);
+    strata_payload_store(slot, payload);
+}

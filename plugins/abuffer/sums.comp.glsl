@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+//
+// abuffer, contiguous, pass 2: fragments in each block of PIXELS_PER_GROUP pixels, and the largest
+// count. A count of 2^24 cannot be told from more; verify() refuses it.
+#include "strata/frame.glsl"
+#include "strata/scan.glsl"
+#include "blocks.glsl"
+
+uniform sampler2D count_image;
+layout(std430) writeonly buffer Sums { uint sums[]; };
+layout(std430) buffer Stats { uint stats_largest; uint stats_total; };
+
+void main() {
+    uint sum = 0u, largest = 0u;
+    for (uint i = 0u; i < PIXELS_PER_INVOCATION; ++i) {
+        uint pixel = block_pixel(i);
+        uint count = pixel < strata_pixel_count()
+                         ? uint(texelFetch(count_image, ivec2(strata_position(pixel)), 0).r)
+                         : 0u;
+        sum += count;
+        largest = max(largest, count);
+    }
+    uint total;
+    strata_scan(sum, total);
+    atomicMax(stats_largest, largest);
+    if (gl_LocalInvocationID.x == 0u)
+        sums[gl_WorkGroupID.x] = total;
+}

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+//
+// ppc, one class of pixels, one invocation a pixel: loads up to SIZE records' keys, sorts them in a
+// register network, and folds. Pixels with equal keys are left to tied.comp.glsl. SIZE 1 sorts nothing.
+#define STRATA_PAYLOAD_ACCESS readonly
+#include "strata/fragments.glsl"
+#include "strata/fold.glsl"
+#include "strata/scan.glsl"
+#include "strata/sort.glsl"
+#include "classes.glsl"
+#include "output.glsl"
+
+CLASS_TABLE(readonly)
+layout(std430) readonly buffer Lists { uint lists[]; };
+layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
+layout(std430) buffer TiedPool { uint tied_needed; uint tied_capacity; };
+layout(std430) writeonly buffer TiedPixels { uint tied_pixels[]; };
+
+void leave_to_tied(uint pixel) {
+    uint at = atomicAdd(tied_needed, 1u);
+    if (at < tied_capacity)
+        tied_pixels[at] = pixel;
+}
+
+#if SIZE > 1
+// Keys beyond the pixel's last are STRATA_NO_KEY and sort to the end.
+#if STRATA_LAYOUT == 1
+#define LOAD(i)                                                                                    \
+    k[i] = STRATA_NO_KEY;                                                                          \
+    s[i] = slot;                                                                                   \
+    if (i < range.y && slot < strata_capacity) {                                                   \
+        k[i] = strata_keys[slot].x;                                                                \
+        slot = strata_links[slot].x;                                                               \
+    }
+#else
+#define LOAD(i)                                                                                    \
+    s[i] = range.x + i;                                                                            \
+    k[i] = i < range.y ? strata_keys[range.x + i].x : STRATA_NO_KEY;
+#endif
+#define COMPARE(i) tied = tied || (k[i] == k[i + 1u] && k[i] != STRATA_NO_KEY);
+#define KEEP(i) sorted[i] = s[i];
+#define REPEAT_8(M, o)                                                                             \
+    M((o) + 0u) M((o) + 1u) M((o) + 2u) M((o) + 3u) M((o) + 4u) M((o) + 5u) M((o) + 6u) M((o) + 7u)
+#define REPEAT_16(M, o) REPEAT_8(M, o) REPEAT_8(M, (o) + 8u)
+#define REPEAT_32(M, o) REPEAT_16(M, o) REPEAT_16(M, (o) + 16u)
+#define REPEAT_64(M, o) REPEAT_32(M, o) REPEAT_32(M, (o) + 32u)
+#endif
+
+void main() {
+    uint item = strata_item();
+    if (item >= classes[CLASS].count)
+        return;
+    uint pixel = lists[classes[CLASS].offset + item];
+    uvec2 range = strata_ranges[pixel];
+    StrataElement walk = strata_fold_begin();
+#if SIZE == 1
+    if (range.x < strata_capacity)
+        strata_fold_step(walk, strata_event(strata_payload_load(range.x)));
+#else
+#if STRATA_LAYOUT == 0
+    if (range.x + range.y > strata_capacity)
+        return; // this attempt's pool is too small; the frame is recorded again
+#else
+    uint slot = range.x;
+#endif
+    uint k[SIZE + 1], s[SIZE];
+    k[SIZE] = STRATA_NO_KEY;
+    REPEAT_SIZE(LOAD, 0u)
+    SORT_SIZE(0)
+    bool tied = false;
+    REPEAT_SIZE(COMPARE, 0u)
+    if (tied) {
+        leave_to_tied(pixel);
+        return;
+    }
+    uint sorted[SIZE];
+    REPEAT_SIZE(KEEP, 0u)
+    for (uint i = 0u; i < range.y; ++i)
+        strata_fold_step(walk, strata_event(strata_payload_load(sorted[i])));
+#endif
+    output_fold(pixel, walk);
+}
