@@ -113,6 +113,9 @@ typedef struct strata_frame {
      * INVALID_ARGUMENT, DEVICE_LOST. */
     strata_result (*read)(void *self, strata_buffer buffer, uint64_t offset, uint64_t size,
                           void *data);
+    /* verify() only: elements of a pool that this band asked for; what exceeds its capacity the host
+     * has seen already. */
+    uint64_t (*needed)(void *self, strata_pool pool);
     /* verify() only. */
     void (*report)(void *self, uint32_t what, uint64_t value);
     /* Any time: the frame fails with this result (< 0) and line, unless it failed before. */

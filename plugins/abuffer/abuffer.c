@@ -21,7 +21,7 @@ typedef struct abuffer {
     uint32_t layout;
     strata_draws draws;
     strata_image limit, count;
-    strata_buffer ranges, sums, stats;
+    strata_buffer ranges, sums, largest;
     strata_pool records;
     strata_program count_program, sums_program, blocksums_program, ranges_program, heads_program,
         store_program;
@@ -108,7 +108,7 @@ static strata_result prepare(void *state, const strata_view *view) {
     a->limit = view->image(view->self, "limit/1");
     strata_result r = buffer(a, "ranges", pixels * 8, &a->ranges);
     if (r == STRATA_OK)
-        r = buffer(a, "statistics", 8, &a->stats);
+        r = buffer(a, "largest count", 4, &a->largest);
     if (r == STRATA_OK)
         r = create_records(a, view);
     if (r == STRATA_OK && a->layout == STRATA_FRAGMENTS_LINKED)
@@ -131,7 +131,7 @@ static void record_count(const abuffer *a, const strata_frame *frame) {
     const uint32_t groups = (pixels + PIXELS_PER_GROUP - 1) / PIXELS_PER_GROUP;
     const strata_bind count = {.struct_size = sizeof count, .name = "count_image", .image = a->count};
     const strata_bind sums = {.struct_size = sizeof sums, .name = "Sums", .buffer = a->sums};
-    const strata_bind stats = {.struct_size = sizeof stats, .name = "Stats", .buffer = a->stats};
+    const strata_bind largest = {.struct_size = sizeof largest, .name = "Largest", .buffer = a->largest};
     const strata_bind ranges = {
         .struct_size = sizeof ranges, .name = "StrataRanges", .buffer = a->ranges};
     const strata_bind records = {.struct_size = sizeof records, .pool = a->records};
@@ -154,7 +154,7 @@ static void record_count(const abuffer *a, const strata_frame *frame) {
                                             .label = "sums",
                                             .program = a->sums_program,
                                             .groups = {groups},
-                                            .binds = (const strata_bind[]){count, sums, stats},
+                                            .binds = (const strata_bind[]){count, sums, largest},
                                             .bind_count = 3});
     frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
                                             .label = "offsets",
@@ -162,8 +162,8 @@ static void record_count(const abuffer *a, const strata_frame *frame) {
                                             .groups = {1},
                                             .params = &groups,
                                             .params_size = sizeof groups,
-                                            .binds = (const strata_bind[]){sums, stats, records},
-                                            .bind_count = 3});
+                                            .binds = (const strata_bind[]){sums, records},
+                                            .bind_count = 2});
     frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
                                             .label = "ranges",
                                             .program = a->ranges_program,
@@ -186,7 +186,7 @@ static void record_heads(const abuffer *a, const strata_frame *frame) {
 
 static void record(void *state, const strata_frame *frame) {
     const abuffer *a = state;
-    frame->fill(frame->self, a->stats, 0, 0, 0);
+    frame->fill(frame->self, a->largest, 0, 0, 0);
     if (a->layout == STRATA_FRAGMENTS_CONTIGUOUS)
         record_count(a, frame);
     else
@@ -209,13 +209,16 @@ static void record(void *state, const strata_frame *frame) {
 
 static strata_result verify(void *state, const strata_frame *frame) {
     const abuffer *a = state;
-    uint32_t stats[2] = {0, 0}; /* largest count, total */
+    const uint64_t total = frame->needed(frame->self, a->records);
+    uint32_t largest = 0;
+    frame->report(frame->self, STRATA_REPORT_FRAGMENTS_TOTAL, total);
+    frame->report(frame->self, STRATA_REPORT_FRAGMENTS_KEPT, total);
     if (a->layout == STRATA_FRAGMENTS_LINKED)
         return STRATA_OK; /* the pool counted; nothing else can go wrong */
-    strata_result r = frame->read(frame->self, a->stats, 0, sizeof stats, stats);
+    strata_result r = frame->read(frame->self, a->largest, 0, sizeof largest, &largest);
     if (r != STRATA_OK)
         return r;
-    if (stats[0] >= COUNT_LIMIT) {
+    if (largest >= COUNT_LIMIT) {
         frame->fail(frame->self, STRATA_ERROR_OVERFLOW,
                     "a pixel holds 2^24 fragments or more; abuffer.mode=linked has no such limit");
         return STRATA_ERROR_OVERFLOW;

@@ -5,7 +5,6 @@
 #include "strata/scan.glsl"
 
 layout(std430) buffer Sums { uint sums[]; };
-layout(std430) buffer Stats { uint stats_largest; uint stats_total; };
 layout(std430) writeonly buffer StrataFragmentPool { uint strata_needed; };
 STRATA_PARAMS { uint blocks; } params;
 
@@ -23,8 +22,6 @@ void main() {
         sums[i] = offset;
         offset = strata_add(offset, block);
     }
-    if (gl_LocalInvocationID.x == 0u) {
+    if (gl_LocalInvocationID.x == 0u)
         strata_needed = total;
-        stats_total = total;
-    }
 }

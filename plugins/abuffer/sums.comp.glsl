@@ -8,7 +8,7 @@
 
 uniform sampler2D count_image;
 layout(std430) writeonly buffer Sums { uint sums[]; };
-layout(std430) buffer Stats { uint stats_largest; uint stats_total; };
+layout(std430) buffer Largest { uint largest_count; };
 
 void main() {
     uint sum = 0u, largest = 0u;
@@ -22,7 +22,7 @@ void main() {
     }
     uint total;
     strata_scan(sum, total);
-    atomicMax(stats_largest, largest);
+    atomicMax(largest_count, largest);
     if (gl_LocalInvocationID.x == 0u)
         sums[gl_WorkGroupID.x] = total;
 }

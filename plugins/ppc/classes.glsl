@@ -29,6 +29,4 @@ struct Class {
         uvec4 block_groups; /* blocks of the deep pixels */                                        \
         uint largest;       /* fragments in one pixel */                                           \
         uint blocks;        /* of the deep pixels */                                               \
-        uint tied;          /* pixels */                                                           \
-        uint total_low;     /* fragments, saturated */                                             \
     };

@@ -9,7 +9,7 @@
 
 CLASS_TABLE()
 shared uint group_count[CLASS_COUNT];
-shared uint group_largest, group_blocks, group_total;
+shared uint group_largest, group_blocks;
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
@@ -18,7 +18,6 @@ void main() {
     if (lane == 0u) {
         group_largest = 0u;
         group_blocks = 0u;
-        group_total = 0u;
     }
     barrier();
     uint first = strata_item() - lane; // of the group
@@ -30,7 +29,6 @@ void main() {
         uint c = class_of(count);
         atomicAdd(group_count[c], 1u);
         atomicMax(group_largest, count);
-        atomicAdd(group_total, count);
         if (c == CLASS_DEEP)
             atomicAdd(group_blocks, (count + DEEP_BLOCK - 1u) / DEEP_BLOCK);
     }
@@ -39,7 +37,6 @@ void main() {
         atomicAdd(classes[lane].count, group_count[lane]);
     if (lane == 0u && group_largest > 0u) {
         atomicMax(largest, group_largest);
-        atomicAdd(total_low, group_total);
         if (group_blocks > 0u)
             atomicAdd(blocks, group_blocks);
     }

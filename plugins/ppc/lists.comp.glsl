@@ -13,6 +13,7 @@ layout(std430) writeonly buffer Lists { uint lists[]; };
 layout(std430) writeonly buffer DeepBase { uint deep_base[]; };
 layout(std430) readonly buffer DeepPool { uint deep_needed; uint deep_capacity; };
 #if STRATA_LAYOUT == 1
+layout(std430) readonly buffer IndexPool { uint index_needed; uint index_capacity; };
 layout(std430) writeonly buffer DeepIndex { uint deep_index[]; };
 #endif
 shared uint group_count[CLASS_COUNT], group_offset[CLASS_COUNT];
@@ -52,7 +53,8 @@ void main() {
             if (deep < deep_capacity)
                 deep_base[deep] = base;
 #if STRATA_LAYOUT == 1
-            deep_index[pixel] = deep;
+            if (pixel < index_capacity)
+                deep_index[pixel] = deep;
 #endif
         }
     }

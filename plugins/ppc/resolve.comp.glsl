@@ -39,11 +39,6 @@ void leave_to_tied(uint pixel) {
 #endif
 #define COMPARE(i) tied = tied || (k[i] == k[i + 1u] && k[i] != STRATA_NO_KEY);
 #define KEEP(i) sorted[i] = s[i];
-#define REPEAT_8(M, o)                                                                             \
-    M((o) + 0u) M((o) + 1u) M((o) + 2u) M((o) + 3u) M((o) + 4u) M((o) + 5u) M((o) + 6u) M((o) + 7u)
-#define REPEAT_16(M, o) REPEAT_8(M, o) REPEAT_8(M, (o) + 8u)
-#define REPEAT_32(M, o) REPEAT_16(M, o) REPEAT_16(M, (o) + 16u)
-#define REPEAT_64(M, o) REPEAT_32(M, o) REPEAT_32(M, (o) + 32u)
 #endif
 
 void main() {

@@ -2,10 +2,12 @@
 //
 // Sorting networks in registers (Batcher 1968, odd-even merge). The caller declares `uint k[N]` (keys)
 // and `uint s[N]` (what travels with them); every index is a constant expression, so that nothing is
-// indexed dynamically. STRATA_SORT_N(0) sorts ascending by k.
+// indexed dynamically. STRATA_SORT_N(0) sorts ascending by k. A caller that compares more than k defines
+// its own STRATA_EXCHANGE(i, j) first. STRATA_REPEAT_N(M, o) is M(o) .. M(o + N - 1).
 #ifndef STRATA_SORT_GLSL
 #define STRATA_SORT_GLSL
 
+#ifndef STRATA_EXCHANGE
 #define STRATA_EXCHANGE(i, j)                                                                      \
     {                                                                                              \
         uint ki = k[i], kj = k[j], si = s[i], sj = s[j];                                           \
@@ -15,6 +17,7 @@
         s[i] = swap ? sj : si;                                                                     \
         s[j] = swap ? si : sj;                                                                     \
     }
+#endif
 
 // STRATA_CHAIN_n(o, r): n exchanges of neighbours (o, o + r), (o + 2 r, o + 3 r), ...
 #define STRATA_CHAIN_1(o, r) STRATA_EXCHANGE(o, (o) + (r))
@@ -46,5 +49,11 @@
 #define STRATA_SORT_16(o) STRATA_SORT_8(o) STRATA_SORT_8((o) + 8) STRATA_MERGE_16(o, 1)
 #define STRATA_SORT_32(o) STRATA_SORT_16(o) STRATA_SORT_16((o) + 16) STRATA_MERGE_32(o, 1)
 #define STRATA_SORT_64(o) STRATA_SORT_32(o) STRATA_SORT_32((o) + 32) STRATA_MERGE_64(o, 1)
+
+#define STRATA_REPEAT_8(M, o)                                                                             \
+    M((o) + 0u) M((o) + 1u) M((o) + 2u) M((o) + 3u) M((o) + 4u) M((o) + 5u) M((o) + 6u) M((o) + 7u)
+#define STRATA_REPEAT_16(M, o) STRATA_REPEAT_8(M, o) STRATA_REPEAT_8(M, (o) + 8u)
+#define STRATA_REPEAT_32(M, o) STRATA_REPEAT_16(M, o) STRATA_REPEAT_16(M, (o) + 16u)
+#define STRATA_REPEAT_64(M, o) STRATA_REPEAT_32(M, o) STRATA_REPEAT_32(M, (o) + 32u)
 
 #endif
