@@ -5,8 +5,8 @@
 #     strata_embed_glsl(TARGET ID [BASE FOLDER] FILES...)
 #
 # adds to TARGET a generated source and the header "ID_glsl.h", which declares for each FILE
-# NAME.glsl `extern const strata_glsl NAME_glsl;` and for all of them, NULL-terminated,
-# `extern const strata_glsl *const ID_glsl_all[];`. The path that compile errors name is FILE's,
+# NAME.glsl `extern const strata_glsl NAME_glsl;` (a dot in NAME becomes _) and for all of them
+# `extern const strata_glsl *const ID_glsl_all[];`, NULL-terminated. The path that compile errors name is FILE's,
 # relative to BASE (default: the project's top folder). Run as a script, this file is the generator.
 if(NOT CMAKE_SCRIPT_MODE_FILE)
   set(STRATA_EMBED_SCRIPT "${CMAKE_CURRENT_LIST_FILE}" CACHE INTERNAL "")
@@ -39,7 +39,7 @@ set(header "/* Generated from GLSL. */\n#pragma once\n#include \"strata/gpu.h\"\
 set(source "/* Generated from GLSL. */\n#include \"${ID}_glsl.h\"\n\n")
 set(all)
 foreach(file IN LISTS FILES)
-  get_filename_component(name "${file}" NAME_WE)
+  get_filename_component(name "${file}" NAME_WLE)
   string(MAKE_C_IDENTIFIER "${name}" name)
   file(RELATIVE_PATH path "${BASE}" "${file}")
   if(path MATCHES "^\\.\\./")

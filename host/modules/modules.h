@@ -16,7 +16,7 @@
 #include "strata/technique.h"
 
 /* Bounds on what a module may declare; more is refused when its note is read. */
-#define MODULES_ID_MAX 63    /* characters of an id */
+#define MODULES_ID_MAX    63 /* characters of an id */
 #define MODULES_ARRAY_MAX 64 /* techniques, effects, slots, knobs, choices, fields, needs */
 
 typedef struct modules_note modules_note;

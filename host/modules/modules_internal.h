@@ -11,9 +11,9 @@
 
 #include "modules/modules.h"
 
-#define NOTE_NAME "Strata"       /* owner of the ELF note, in section .note.strata */
-#define NOTE_TYPE 1u             /* its desc is JSON, UTF-8, without a terminator */
-#define NOTE_SIZE_MAX 0x100000u  /* bytes of JSON */
+#define NOTE_NAME     "Strata"  /* owner of the ELF note, in section .note.strata */
+#define NOTE_TYPE     1u        /* its desc is JSON, UTF-8, without a terminator */
+#define NOTE_SIZE_MAX 0x100000u /* bytes of JSON */
 
 /* Memory that is freed at once; zero-initialised = empty. */
 typedef struct note_block note_block;
@@ -23,12 +23,13 @@ typedef struct note_arena {
 void *note_alloc(note_arena *arena, size_t count, size_t size); /* zeroed; NULL when exhausted */
 void note_arena_free(note_arena *arena);
 
-/* Reads the note of a shared object of this machine's kind. Every offset and size is checked against
- * the file. NOT_FOUND: no Strata note; BAD_FILE: not such a file, truncated, malformed. The caller
- * frees *text, which is NUL-terminated. */
+/* Reads the note of a shared object of this machine's kind. Every offset and size is checked
+ * against the file. NOT_FOUND: no Strata note; BAD_FILE: not such a file, truncated, malformed. The
+ * caller frees *text, which is NUL-terminated. */
 strata_result note_elf_read(const char *path, char **text, base_error *err);
 
-/* JSON -> note, checked with note_check. Unknown members are ignored: a newer tool may write more. */
+/* JSON -> note, checked with note_check. Unknown members are ignored: a newer tool may write more.
+ */
 strata_result note_parse(const char *text, const char *path, note_arena *arena, modules_note *out,
                          base_error *err);
 

@@ -14,8 +14,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define HEADERS_MAX 1024u        /* program headers; real files have about ten */
-#define SEGMENT_MAX 0x200000u    /* bytes of one note segment */
+#define HEADERS_MAX 1024u     /* program headers; real files have about ten */
+#define SEGMENT_MAX 0x200000u /* bytes of one note segment */
 
 typedef struct elf_file {
     const char *path;
@@ -132,7 +132,8 @@ static strata_result elf_find(const elf_file *file, char **text, base_error *err
     }
     if (result == STRATA_OK && !*text)
         return base_fail(err, STRATA_ERROR_NOT_FOUND,
-                         "%s: has no Strata note; was it built with strata_add_module?", file->path);
+                         "%s: has no Strata note; was it built with strata_add_module?",
+                         file->path);
     return result;
 }
 

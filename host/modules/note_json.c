@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * A note as JSON: what strata-note puts into a module, and what the loader compares a descriptor
- * with. Member names are the field names of abi/strata/technique.h and effect.h; a NULL text is left
- * out. Built with jansson, whose numbers do not depend on the locale.
+ * with. Member names are the field names of abi/strata/technique.h and effect.h; a NULL text is
+ * left out. Built with jansson, whose numbers do not depend on the locale.
  */
 #include "modules/modules_internal.h"
 
@@ -17,7 +17,8 @@ typedef struct json_writer {
 static void json_fail(json_writer *w, strata_result result, const char *key) {
     w->failed = 1;
     base_fail(w->err, result,
-              result == STRATA_ERROR_MODULE ? "\"%s\" is not UTF-8 text" : "out of memory at \"%s\"",
+              result == STRATA_ERROR_MODULE ? "\"%s\" is not UTF-8 text"
+                                            : "out of memory at \"%s\"",
               key);
 }
 

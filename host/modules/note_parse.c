@@ -299,10 +299,12 @@ strata_result note_parse(const char *text, const char *path, note_arena *arena, 
     base_error local = {0};
     json_error_t where;
     json_t *root = json_loads(text, JSON_REJECT_DUPLICATES, &where);
+    if (!root)
+        return base_fail(err, STRATA_ERROR_BAD_FILE, "%s: Strata note: %s at byte %d", path,
+                         where.text, where.position);
     if (!json_is_object(root)) {
         json_decref(root);
-        return base_fail(err, STRATA_ERROR_BAD_FILE, "%s: Strata note: %s at byte %d", path,
-                         root ? "not an object" : where.text, root ? 0 : where.position);
+        return base_fail(err, STRATA_ERROR_BAD_FILE, "%s: Strata note: not an object", path);
     }
     *out = (modules_note){.path = path};
     json_reader reader = {.arena = arena, .path = path, .err = &local};
