@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+//
+// glTF's metallic-roughness model: GGX (Walter 2007) with height-correlated Smith shadowing and
+// Schlick's Fresnel, punctual lights, and ambient light as spherical harmonics, specular through the
+// fit of the environment BRDF by Lazarov (2013) and Karis (2014). Part of shading.glsl.
+#ifndef STRATA_LIGHTING_GLSL
+#define STRATA_LIGHTING_GLSL
+
+struct StrataLight {
+    vec4 position;  // world; kind (0 directional, 1 point, 2 spot)
+    vec4 direction; // where it shines to, unit; range, 0 = unlimited
+    vec4 color;     // rgb times intensity
+    vec4 cone;      // cosines: inner, outer
+};
+layout(std430) readonly buffer StrataLights { StrataLight strata_lights[]; };
+
+const float STRATA_PI = 3.14159265358979;
+const float STRATA_SMALLEST_ROUGHNESS = 0.045; // its fourth power is still above a float's rounding
+
+// Zero and non-finite vectors become zero; no square overflows.
+vec3 strata_unit(vec3 v) {
+    float largest = max(abs(v.x), max(abs(v.y), abs(v.z)));
+    if (!(largest > 0.0 && largest <= 3.4e38))
+        return vec3(0.0);
+    vec3 scaled = v / largest;
+    return scaled / sqrt(dot(scaled, scaled));
+}
+
+#ifdef STRATA_HAS_TEXTURES
+// Columns: tangent, bitangent (against v: textures are stored from the top), normal. Tangents as
+// given, else the gradients of the coordinates across the screen.
+mat3 strata_tangent_frame(StrataTexture t, StrataUv uv, vec3 normal) {
+#ifdef STRATA_HAS_TANGENTS
+    if (strata_is(STRATA_RECORD_TANGENTS)) {
+        vec3 tangent = strata_unit(strata_in_tangent.xyz);
+        return mat3(tangent, cross(normal, tangent) * strata_in_tangent.w, normal);
+    }
+#endif
+    bool second = (t.flags & 1u) != 0u;
+    vec2 uv_dx = strata_transform(t, second ? uv.dx.zw : uv.dx.xy);
+    vec2 uv_dy = strata_transform(t, second ? uv.dy.zw : uv.dy.xy);
+    vec3 dx = dFdx(strata_in_position), dy = dFdy(strata_in_position);
+    vec3 across = cross(dy, normal), along = cross(normal, dx);
+    float side = dot(cross(dx, dy), normal) < 0.0 ? -1.0 : 1.0;
+    return mat3(strata_unit(across * uv_dx.x + along * uv_dy.x) * side,
+                strata_unit(across * uv_dx.y + along * uv_dy.y) * -side, normal);
+}
+#endif
+
+// On the side that is seen. Where normals vanish, that of the face.
+vec3 strata_shading_normal(StrataUv uv) {
+    vec3 face = strata_unit(cross(dFdx(strata_in_position), dFdy(strata_in_position)));
+    vec3 normal = strata_unit(strata_in_normal);
+    if (normal == vec3(0.0))
+        return face;
+#ifdef STRATA_HAS_TEXTURES
+    StrataMaterial material = strata_materials[strata_in_ids.x];
+    if (material.normal_texture != STRATA_NO_INDEX) {
+        vec3 bump = strata_sample(material.normal_texture, STRATA_LINEAR, uv).xyz * 2.0 - 1.0;
+        bump.xy *= material.normal_scale;
+        vec3 bent = strata_unit(
+            strata_tangent_frame(strata_textures[material.normal_texture], uv, normal) * bump);
+        normal = bent == vec3(0.0) ? normal : bent;
+    }
+#endif
+    return strata_front() ? normal : -normal;
+}
+
+// What light meets at a fragment.
+struct StrataReflector {
+    vec3 normal, view;
+    vec3 diffuse; // albedo of what scatters below the surface
+    vec3 f0;
+    float alpha;  // roughness squared
+    float n_v;
+};
+
+vec3 strata_schlick(vec3 f0, float cosine) {
+    float rest = 1.0 - cosine, square = rest * rest;
+    return f0 + (1.0 - f0) * (square * square * rest);
+}
+
+// BRDF times the cosine at the surface, for light from `light` (unit).
+vec3 strata_reflect(StrataReflector r, vec3 light) {
+    float n_l = dot(r.normal, light);
+    if (!(n_l > 0.0))
+        return vec3(0.0);
+    vec3 halfway = strata_unit(light + r.view);
+    float n_h = clamp(dot(r.normal, halfway), 0.0, 1.0);
+    float v_h = clamp(dot(r.view, halfway), 0.0, 1.0);
+    float a2 = r.alpha * r.alpha;
+    float spread = n_h * n_h * (a2 - 1.0) + 1.0;
+    float d = a2 / (STRATA_PI * spread * spread);
+    float v = 0.5 / (n_l * sqrt(r.n_v * r.n_v * (1.0 - a2) + a2) +
+                     r.n_v * sqrt(n_l * n_l * (1.0 - a2) + a2));
+    vec3 f = strata_schlick(r.f0, v_h);
+    return ((1.0 - f) * r.diffuse / STRATA_PI + f * (d * v)) * n_l;
+}
+
+// Direction to a light and what arrives from it (KHR_lights_punctual).
+vec3 strata_arriving(StrataLight light, out vec3 direction) {
+    direction = -light.direction.xyz;
+    if (light.position.w == 0.0)
+        return light.color.rgb;
+    vec3 away = light.position.xyz - strata_in_position;
+    direction = strata_unit(away);
+    float square = max(dot(away, away), 1e-12);
+    float power = 1.0 / square;
+    if (light.direction.w > 0.0) {
+        float share = square / (light.direction.w * light.direction.w);
+        power *= clamp(1.0 - share * share, 0.0, 1.0);
+    }
+    if (light.position.w == 2.0) {
+        float cosine = -dot(light.direction.xyz, direction);
+        float t = clamp((cosine - light.cone.y) / max(light.cone.x - light.cone.y, 1e-4), 0.0, 1.0);
+        power *= t * t;
+    }
+    return light.color.rgb * power;
+}
+
+// Ambient radiance convolved with a lobe that keeps `band1` and `band2` of the spherical harmonics
+// of degree 1 and 2.
+vec3 strata_ambient_light(vec3 n, float band1, float band2) {
+    vec3 constant = strata_ambient[0].rgb * 0.282094792;
+    vec3 first = (strata_ambient[1].rgb * n.y + strata_ambient[2].rgb * n.z +
+                  strata_ambient[3].rgb * n.x) * 0.488602512;
+    vec3 second = (strata_ambient[4].rgb * (n.x * n.y) + strata_ambient[5].rgb * (n.y * n.z) +
+                   strata_ambient[7].rgb * (n.z * n.x)) * 1.092548431 +
+                  strata_ambient[6].rgb * (0.315391565 * (3.0 * n.z * n.z - 1.0)) +
+                  strata_ambient[8].rgb * (0.546274215 * (n.x * n.x - n.y * n.y));
+    return max(constant + first * band1 + second * band2, vec3(0.0));
+}
+
+// Share of uniform light from all sides that is mirrored: f0 * x + y.
+vec2 strata_environment_brdf(float roughness, float n_v) {
+    vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+    float a = min(r.x * r.x, exp2(-9.28 * n_v)) * r.x + r.y;
+    return vec2(-1.04, 1.04) * a + r.zw;
+}
+
+vec3 strata_ambient_reflection(StrataReflector r, float roughness) {
+    vec3 mirrored = 2.0 * dot(r.normal, r.view) * r.normal - r.view;
+    float sharp = 1.0 - r.alpha;
+    vec2 brdf = strata_environment_brdf(roughness, r.n_v);
+    vec3 specular = r.f0 * brdf.x + brdf.y;
+    return r.diffuse * (1.0 - specular) * strata_ambient_light(r.normal, 2.0 / 3.0, 0.25) +
+           specular * strata_ambient_light(mirrored, mix(2.0 / 3.0, 1.0, sharp),
+                                           mix(0.25, 1.0, sharp));
+}
+
+// Fills colour (without emission), transmission and tint from base colour and surface.normal.
+void strata_shade(vec3 base, StrataUv uv, inout StrataSurface surface) {
+    StrataMaterial material = strata_materials[strata_in_ids.x];
+    vec4 rough = strata_textured(material.metallic_roughness_texture, STRATA_LINEAR, uv);
+    float roughness = clamp(material.roughness * rough.g, STRATA_SMALLEST_ROUGHNESS, 1.0);
+    float metallic = clamp(material.metallic * rough.b, 0.0, 1.0);
+    float occlusion = 1.0;
+    if (material.occlusion_texture != STRATA_NO_INDEX)
+        occlusion += material.occlusion_strength *
+                     (strata_textured(material.occlusion_texture, STRATA_LINEAR, uv).r - 1.0);
+    StrataReflector r;
+    r.normal = surface.normal;
+    r.view = strata_eye.w == 0.0 ? strata_eye.xyz : strata_unit(strata_eye.xyz - strata_in_position);
+    r.n_v = clamp(abs(dot(r.normal, r.view)), 1e-4, 1.0);
+    r.alpha = roughness * roughness;
+    r.f0 = mix(vec3(material.f0), base, metallic);
+    r.diffuse = base * (1.0 - metallic);
+#ifdef STRATA_HAS_TRANSMISSION
+    float enters = material.transmission *
+                   strata_textured(material.transmission_texture, STRATA_LINEAR, uv).r;
+    surface.transmission = clamp(enters, 0.0, 1.0) * (1.0 - metallic);
+    surface.tint = clamp(base, 0.0, 1.0) * surface.transmission *
+                   (1.0 - strata_schlick(vec3(material.f0), r.n_v));
+    r.diffuse *= 1.0 - clamp(enters, 0.0, 1.0);
+#endif
+    vec3 color = strata_ambient_reflection(r, roughness) * occlusion;
+    for (uint i = 0u; i < strata_counts.x; ++i) {
+        vec3 direction;
+        vec3 arriving = strata_arriving(strata_lights[i], direction);
+        color += strata_reflect(r, direction) * arriving;
+    }
+    surface.color = color;
+}
+
+#endif

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+//
+// What a fragment of the scene is: whether it exists, its number, and its surface shaded by glTF's
+// metallic-roughness model. Opaque shading and transparent capture call the same functions, at the
+// start of main() (derivatives are taken inside).
+#ifndef STRATA_SHADING_GLSL
+#define STRATA_SHADING_GLSL
+
+#include "strata/frame.glsl"
+#include "strata/scene.glsl"
+
+struct StrataSurface {
+    vec3 color;         // radiance that leaves the surface towards the eye, not premultiplied
+    float alpha;        // coverage; 1 unless the material blends
+    float transmission; // share of the light that enters which is not scattered, 0..1
+    vec3 tint;          // share of the light from behind that passes through the surface
+    uint primitive;     // number in the whole scene
+    uint material;
+    vec3 position;      // world
+    vec3 normal;        // world, unit, on the side that is seen; zero where there is none
+};
+
+layout(location = 0) flat in uvec4 strata_in_ids;
+layout(location = 1) flat in vec4 strata_in_base_color;
+layout(location = 2) in vec3 strata_in_position;
+#ifdef STRATA_HAS_LIT
+layout(location = 3) in vec3 strata_in_normal;
+#ifdef STRATA_HAS_TANGENTS
+layout(location = 4) in vec4 strata_in_tangent;
+#endif
+#endif
+#ifdef STRATA_HAS_TEXTURES
+#include "strata/texture.glsl"
+layout(location = 5) in vec4 strata_in_uv;
+StrataUv strata_uv() { return StrataUv(strata_in_uv, dFdx(strata_in_uv), dFdy(strata_in_uv)); }
+#else
+struct StrataUv {
+    float none;
+};
+const bool STRATA_SRGB = true;
+const bool STRATA_LINEAR = false;
+StrataUv strata_uv() { return StrataUv(0.0); }
+#endif
+#ifdef STRATA_HAS_COLORS
+layout(location = 6) in vec4 strata_in_color;
+#endif
+#ifdef STRATA_HAS_POINTS
+layout(location = 7) in vec2 strata_in_disc;
+#endif
+#ifdef STRATA_HAS_PRIMITIVE_MAP
+layout(std430) readonly buffer StrataPrimitiveMap { uint strata_primitive_map[]; };
+#endif
+
+bool strata_is(uint flag) { return (strata_in_ids.w & flag) != 0u; }
+
+// NaN and infinities become zero, bit by bit: no compiler may assume that they do not occur.
+float strata_finite(float x) {
+    return (floatBitsToUint(x) & 0x7f800000u) == 0x7f800000u ? 0.0 : x;
+}
+vec3 strata_finite(vec3 v) {
+    return vec3(strata_finite(v.x), strata_finite(v.y), strata_finite(v.z));
+}
+
+uint strata_primitive() {
+    uint id = uint(gl_PrimitiveID);
+#ifdef STRATA_HAS_POINTS
+    if (strata_is(STRATA_RECORD_SPLATS))
+        id >>= 1;
+#endif
+#ifdef STRATA_HAS_PRIMITIVE_MAP
+    if (strata_in_ids.z != STRATA_NO_INDEX)
+        id = strata_primitive_map[strata_in_ids.z + id];
+#endif
+    return strata_in_ids.y + id;
+}
+
+// The side that glTF calls the front is seen.
+bool strata_front() { return gl_FrontFacing != strata_is(STRATA_RECORD_MIRRORED); }
+
+// Samples one of a material's textures; white where there is none.
+vec4 strata_textured(uint index, bool srgb, StrataUv uv) {
+#ifdef STRATA_HAS_TEXTURES
+    if (index != STRATA_NO_INDEX)
+        return strata_sample(index, srgb, uv);
+#endif
+    return vec4(1.0);
+}
+
+// Factor, vertex colour and texture. Precise: alpha tests in different programs must agree.
+vec4 strata_base_color(StrataUv uv) {
+    precise vec4 color = strata_in_base_color;
+#ifdef STRATA_HAS_COLORS
+    color *= strata_in_color;
+#endif
+#ifdef STRATA_HAS_TEXTURES
+    color *= strata_textured(strata_materials[strata_in_ids.x].base_color_texture, STRATA_SRGB, uv);
+#endif
+    return color;
+}
+
+// Whether the fragment exists, given its alpha: discs of splats, faces without a back, alpha tests.
+bool strata_exists(float alpha) {
+    bool exists = true;
+#ifdef STRATA_HAS_POINTS
+    precise float square = strata_in_disc.x * strata_in_disc.x + strata_in_disc.y * strata_in_disc.y;
+    exists = square <= 1.0;
+#endif
+#ifdef STRATA_HAS_SINGLE_SIDED
+    exists = exists && (strata_is(STRATA_RECORD_DOUBLE_SIDED) || strata_front());
+#endif
+#ifdef STRATA_HAS_MASK
+    if (strata_is(STRATA_RECORD_MASK))
+        exists = exists && alpha >= strata_materials[strata_in_ids.x].emissive.w;
+#endif
+    return exists;
+}
+
+// strata_surface()'s answer without the shading.
+bool strata_covered() {
+    float alpha = 1.0;
+#ifdef STRATA_HAS_MASK
+    alpha = strata_base_color(strata_uv()).a;
+#endif
+    return strata_exists(alpha);
+}
+
+#ifdef STRATA_HAS_LIT
+#include "strata/lighting.glsl"
+#endif
+
+vec3 strata_emission(StrataUv uv) {
+#ifdef STRATA_HAS_EMISSION
+    StrataMaterial material = strata_materials[strata_in_ids.x];
+    if (!strata_is(STRATA_RECORD_UNLIT))
+        return material.emissive.rgb *
+               strata_textured(material.emissive_texture, STRATA_SRGB, uv).rgb;
+#endif
+    return vec3(0.0);
+}
+
+// False when the fragment does not exist; the surface is complete all the same.
+bool strata_surface(out StrataSurface surface) {
+    StrataUv uv = strata_uv();
+    vec4 base = strata_base_color(uv);
+    surface.color = base.rgb;
+    surface.alpha = 1.0;
+    surface.transmission = 0.0;
+    surface.tint = vec3(0.0);
+    surface.primitive = strata_primitive();
+    surface.material = strata_in_ids.x;
+    surface.position = strata_in_position;
+    surface.normal = vec3(0.0);
+#ifdef STRATA_HAS_BLEND
+    if (strata_is(STRATA_RECORD_BLEND))
+        surface.alpha = clamp(strata_finite(base.a), 0.0, 1.0);
+#endif
+#ifdef STRATA_HAS_LIT
+    if (strata_is(STRATA_RECORD_NORMALS)) {
+        surface.normal = strata_shading_normal(uv);
+        if (!strata_is(STRATA_RECORD_UNLIT))
+            strata_shade(base.rgb, uv, surface);
+    }
+#endif
+    surface.color = strata_finite(surface.color + strata_emission(uv));
+    surface.tint = strata_finite(surface.tint);
+    return strata_exists(base.a);
+}
+
+#endif

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+//
+// Textures from the atlas: every mip level of every image is a rectangle on a page of one of two
+// arrays, colour (sRGB) and data (linear). Sampling is written out over texelFetch, so that all
+// backends give the same bits: wrap modes, filters, and the level from the derivatives.
+#ifndef STRATA_TEXTURE_GLSL
+#define STRATA_TEXTURE_GLSL
+
+#include "strata/scene.glsl"
+
+struct StrataTexture {
+    vec4 scale_rotate; // KHR_texture_transform, a row-major 2x2 matrix
+    vec2 offset;
+    uint size;         // width | height << 16
+    uint flags;        // bit 0 second coordinates, 1 magnify linear, 2 minify linear, 3 nearest level,
+                       // 4 blended levels, 5-6 wrap u, 7-8 wrap v (0 repeat, 1 mirror, 2 clamp)
+    uint levels;       // how many
+    uint first_level;  // in StrataTexels
+    uint reserved[2];
+};
+
+layout(std430) readonly buffer StrataTextures { StrataTexture strata_textures[]; };
+layout(std430) readonly buffer StrataTexels { uvec2 strata_texels[]; }; // x | y << 16, page
+#ifdef STRATA_HAS_SRGB
+uniform sampler2DArray strata_atlas_srgb;
+#endif
+#ifdef STRATA_HAS_LINEAR
+uniform sampler2DArray strata_atlas_linear;
+#endif
+
+const bool STRATA_SRGB = true;
+const bool STRATA_LINEAR = false;
+
+// Both sets of coordinates with their derivatives, which must be taken where control flow is uniform.
+struct StrataUv {
+    vec4 at, dx, dy;
+};
+
+vec4 strata_texel(StrataTexture t, bool srgb, int level, ivec2 at) {
+    uvec2 place = strata_texels[t.first_level + uint(level)];
+    ivec3 texel = ivec3(ivec2(place.x & 0xffffu, place.x >> 16) + at, place.y);
+#ifdef STRATA_HAS_SRGB
+    if (srgb)
+        return texelFetch(strata_atlas_srgb, texel, 0);
+#endif
+#ifdef STRATA_HAS_LINEAR
+    if (!srgb)
+        return texelFetch(strata_atlas_linear, texel, 0);
+#endif
+    return vec4(1.0);
+}
+
+// Brings a coordinate into [0, 1]; texels beyond the edges are found by strata_wrap_texel.
+float strata_wrap(float u, uint mode) {
+    float x = abs(u) <= 1e6 ? u : 0.0; // also NaN
+    precise float wrapped = mode == 0u ? x - floor(x)
+                                       : (mode == 1u ? abs(x - 2.0 * floor(x * 0.5 + 0.5))
+                                                     : clamp(x, 0.0, 1.0));
+    return wrapped;
+}
+
+int strata_wrap_texel(int i, int size, uint mode) {
+    if (mode != 0u)
+        return clamp(i, 0, size - 1);
+    return i < 0 ? i + size : (i >= size ? i - size : i);
+}
+
+vec4 strata_filter(StrataTexture t, bool srgb, int level, bool linear, vec2 uv) {
+    uint wrap_u = (t.flags >> 5) & 3u, wrap_v = (t.flags >> 7) & 3u;
+    ivec2 size = max(ivec2(t.size & 0xffffu, t.size >> 16) >> level, ivec2(1));
+    precise vec2 at = vec2(strata_wrap(uv.x, wrap_u), strata_wrap(uv.y, wrap_v)) * vec2(size);
+    if (!linear) {
+        ivec2 i = clamp(ivec2(floor(at)), ivec2(0), size - 1);
+        return strata_texel(t, srgb, level, i);
+    }
+    at -= 0.5;
+    precise vec2 base = floor(at);
+    precise vec2 f = at - base;
+    ivec2 i = ivec2(base);
+    int x0 = strata_wrap_texel(i.x, size.x, wrap_u), x1 = strata_wrap_texel(i.x + 1, size.x, wrap_u);
+    int y0 = strata_wrap_texel(i.y, size.y, wrap_v), y1 = strata_wrap_texel(i.y + 1, size.y, wrap_v);
+    vec4 a = strata_texel(t, srgb, level, ivec2(x0, y0));
+    vec4 b = strata_texel(t, srgb, level, ivec2(x1, y0));
+    vec4 c = strata_texel(t, srgb, level, ivec2(x0, y1));
+    vec4 d = strata_texel(t, srgb, level, ivec2(x1, y1));
+    precise vec4 low = a + (b - a) * f.x;
+    precise vec4 high = c + (d - c) * f.x;
+    precise vec4 value = low + (high - low) * f.y;
+    return value;
+}
+
+// log2 of how many texels a step of one pixel crosses; 0 or less magnifies.
+float strata_level(StrataTexture t, vec2 dx, vec2 dy) {
+    vec2 size = vec2(t.size & 0xffffu, t.size >> 16);
+    precise vec2 x = dx * size;
+    precise vec2 y = dy * size;
+    precise float xx = x.x * x.x + x.y * x.y;
+    precise float yy = y.x * y.x + y.y * y.y;
+    float square = max(xx, yy);
+    precise float level = square > 1.0 ? 0.5 * log2(min(square, 1e20)) : 0.0;
+    return level;
+}
+
+vec2 strata_transform(StrataTexture t, vec2 uv) {
+    precise vec2 moved = vec2(t.scale_rotate.x * uv.x + t.scale_rotate.y * uv.y,
+                              t.scale_rotate.z * uv.x + t.scale_rotate.w * uv.y);
+    return moved;
+}
+
+vec4 strata_sample(uint index, bool srgb, StrataUv uv) {
+    StrataTexture t = strata_textures[index];
+    bool second = (t.flags & 1u) != 0u;
+    precise vec2 at = strata_transform(t, second ? uv.at.zw : uv.at.xy) + t.offset;
+    vec2 dx = strata_transform(t, second ? uv.dx.zw : uv.dx.xy);
+    vec2 dy = strata_transform(t, second ? uv.dy.zw : uv.dy.xy);
+    float level = strata_level(t, dx, dy);
+    if (!(level > 0.0))
+        return strata_filter(t, srgb, 0, (t.flags & 2u) != 0u, at);
+    bool linear = (t.flags & 4u) != 0u;
+    int last = int(t.levels) - 1;
+    if ((t.flags & 16u) == 0u) {
+        int nearest = (t.flags & 8u) != 0u ? min(int(level + 0.5), last) : 0;
+        return strata_filter(t, srgb, nearest, linear, at);
+    }
+    precise float within = min(level, float(last));
+    int fine = int(within);
+    precise float f = within - float(fine);
+    vec4 a = strata_filter(t, srgb, fine, linear, at);
+    if (f == 0.0)
+        return a;
+    vec4 b = strata_filter(t, srgb, min(fine + 1, last), linear, at);
+    precise vec4 value = a + (b - a) * f;
+    return value;
+}
+
+#endif

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+//
+// The one vertex stage of all that draws the scene. Vertices are pulled from storage by index, so
+// that a slot is one multi-draw whatever its meshes have. Position is invariant and computed in one
+// written order: a fragment's depth has the same bits in every pass.
+#include "strata/frame.glsl"
+#include "strata/scene.glsl"
+
+layout(std430) readonly buffer StrataRecords { StrataRecord strata_records[]; };
+layout(std430) readonly buffer StrataPositions { float strata_positions[]; };
+
+layout(location = 0) flat out uvec4 strata_out_ids; // material, primitive base, primitive map, flags
+layout(location = 1) flat out vec4 strata_out_base_color;
+layout(location = 2) out vec3 strata_out_position;
+#ifdef STRATA_HAS_LIT
+layout(std430) readonly buffer StrataNormals { float strata_normals[]; };
+layout(location = 3) out vec3 strata_out_normal;
+#ifdef STRATA_HAS_TANGENTS
+layout(std430) readonly buffer StrataTangents { vec4 strata_tangents[]; };
+layout(location = 4) out vec4 strata_out_tangent;
+#endif
+#endif
+#ifdef STRATA_HAS_TEXTURES
+layout(std430) readonly buffer StrataUv0 { vec2 strata_uv0[]; };
+#ifdef STRATA_HAS_UV1
+layout(std430) readonly buffer StrataUv1 { vec2 strata_uv1[]; };
+#endif
+layout(location = 5) out vec4 strata_out_uv;
+#endif
+#ifdef STRATA_HAS_COLORS
+layout(std430) readonly buffer StrataColors { vec4 strata_colors[]; };
+layout(location = 6) out vec4 strata_out_color;
+#endif
+#ifdef STRATA_HAS_POINTS
+#ifdef STRATA_HAS_RADII
+layout(std430) readonly buffer StrataRadii { float strata_radii[]; };
+#endif
+layout(location = 7) out vec2 strata_out_disc; // within the splat's disc: length <= 1; else 0
+#endif
+
+invariant gl_Position;
+
+const float STRATA_SPLAT_PIXELS = 1.5; // radius of a splat that has none of its own
+
+vec3 strata_world_position(StrataRecord record, uint vertex) {
+    uint at = (record.position + vertex) * 3u;
+    float x = strata_positions[at], y = strata_positions[at + 1u], z = strata_positions[at + 2u];
+    precise vec3 world;
+    for (int i = 0; i < 3; ++i)
+        world[i] = record.world[i].x * x + record.world[i].y * y + record.world[i].z * z +
+                   record.world[i].w;
+    return world;
+}
+
+vec4 strata_project(vec3 world) {
+    precise vec4 clip = strata_world_to_clip[0] * world.x + strata_world_to_clip[1] * world.y +
+                        strata_world_to_clip[2] * world.z + strata_world_to_clip[3];
+    return clip;
+}
+
+#ifdef STRATA_HAS_LIT
+// Zero stays zero; lengths whose squares would leave the range of floats are fine.
+vec3 strata_direction(vec3 v) {
+    float largest = max(abs(v.x), max(abs(v.y), abs(v.z)));
+    if (!(largest > 0.0 && largest <= 3.4e38))
+        return vec3(0.0);
+    precise vec3 scaled = v / largest;
+    precise float square = scaled.x * scaled.x + scaled.y * scaled.y + scaled.z * scaled.z;
+    return scaled / sqrt(square);
+}
+
+// Normals by the cofactors of the world matrix: right for any scale, also where it is singular.
+void strata_write_normal(StrataRecord record, uint vertex) {
+    vec3 a = record.world[0].xyz, b = record.world[1].xyz, c = record.world[2].xyz;
+    float mirror = (record.flags & STRATA_RECORD_MIRRORED) != 0u ? -1.0 : 1.0;
+    strata_out_normal = vec3(0.0);
+    if ((record.flags & STRATA_RECORD_NORMALS) != 0u) {
+        uint at = (record.normal + vertex) * 3u;
+        vec3 n = vec3(strata_normals[at], strata_normals[at + 1u], strata_normals[at + 2u]);
+        float size = max(max(length(a), length(b)), max(length(c), 1e-30));
+        a /= size;
+        b /= size;
+        c /= size;
+        strata_out_normal = strata_direction(
+            vec3(dot(cross(b, c), n), dot(cross(c, a), n), dot(cross(a, b), n)) * mirror);
+    }
+#ifdef STRATA_HAS_TANGENTS
+    strata_out_tangent = vec4(0.0);
+    if ((record.flags & STRATA_RECORD_TANGENTS) != 0u) {
+        vec4 t = strata_tangents[record.tangent + vertex];
+        vec3 world = vec3(dot(a, t.xyz), dot(b, t.xyz), dot(c, t.xyz));
+        strata_out_tangent = vec4(strata_direction(world), t.w * mirror);
+    }
+#endif
+}
+#endif
+
+#ifdef STRATA_HAS_POINTS
+// Moves a corner of a splat's quad, which faces the image plane, out from its centre.
+void strata_expand_splat(StrataRecord record, uint vertex, vec2 corner, inout vec3 world,
+                         inout vec4 clip) {
+#ifdef STRATA_HAS_RADII
+    if ((record.flags & STRATA_RECORD_RADII) != 0u) {
+        float radius = strata_radii[record.radius + vertex] * record.scale;
+        vec3 right = vec3(strata_world_to_eye[0].x, strata_world_to_eye[1].x,
+                          strata_world_to_eye[2].x);
+        vec3 up = vec3(strata_world_to_eye[0].y, strata_world_to_eye[1].y,
+                       strata_world_to_eye[2].y);
+        precise vec3 moved = world + (right * corner.x + up * corner.y) * radius;
+        world = moved;
+        clip = strata_project(moved);
+        return;
+    }
+#endif
+    vec2 size = vec2(strata_frame_size.xy);
+    float radius = STRATA_SPLAT_PIXELS * sqrt(float(max(strata_frame_size.z, 1u)));
+    precise vec2 moved = clip.xy + corner * (2.0 * radius / size) * clip.w;
+    clip.xy = moved;
+}
+#endif
+
+void main() {
+    StrataRecord record = strata_records[STRATA_INSTANCE];
+    uint vertex = STRATA_VERTEX;
+#ifdef STRATA_HAS_POINTS
+    bool splat = (record.flags & STRATA_RECORD_SPLATS) != 0u;
+    vec2 corner = vec2(vertex & 1u, (vertex >> 1) & 1u) * 2.0 - 1.0;
+    if (splat)
+        vertex >>= 2;
+#endif
+    vec3 world = strata_world_position(record, vertex);
+    vec4 clip = strata_project(world);
+#ifdef STRATA_HAS_POINTS
+    strata_out_disc = splat ? corner : vec2(0.0);
+    if (splat)
+        strata_expand_splat(record, vertex, corner, world, clip);
+#endif
+    gl_Position = clip;
+    strata_out_ids =
+        uvec4(record.material, record.primitive_base, record.primitive_map, record.flags);
+    strata_out_base_color = strata_materials[record.material].base_color;
+    strata_out_position = world;
+#ifdef STRATA_HAS_LIT
+    strata_write_normal(record, vertex);
+#endif
+#ifdef STRATA_HAS_TEXTURES
+    strata_out_uv = vec4(0.0);
+    if ((record.flags & STRATA_RECORD_UV0) != 0u)
+        strata_out_uv.xy = strata_uv0[record.uv0 + vertex];
+#ifdef STRATA_HAS_UV1
+    if ((record.flags & STRATA_RECORD_UV1) != 0u)
+        strata_out_uv.zw = strata_uv1[record.uv1 + vertex];
+#endif
+#endif
+#ifdef STRATA_HAS_COLORS
+    strata_out_color = (record.flags & STRATA_RECORD_COLORS) != 0u
+                           ? strata_colors[record.color + vertex]
+                           : vec4(1.0);
+#endif
+}
