@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Choice of a camera and its matrices, in double: the orbit that frames the bounds, the cameras of a
- * scene, reversed projections and their inverses written out, never computed by elimination.
+ * Choice of a camera and its matrices, in double: the orbit that frames the bounds, the cameras of
+ * a scene, reversed projections and their inverses written out, never computed by elimination.
  */
 #include "scene/camera.h"
 
@@ -10,10 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PI 3.14159265358979323846
-#define ORBIT_YFOV (45.0 * PI / 180.0)
-#define ORBIT_MARGIN 1.05  /* distance over the closest one that shows all of the bounds */
-#define SMALLEST_NEAR 1e-30 /* its reciprocal is a float too */
+#define PI               3.14159265358979323846
+#define ORBIT_YFOV       (45.0 * PI / 180.0)
+#define ORBIT_MARGIN     1.05  /* distance over the closest one that shows all of the bounds */
+#define SMALLEST_NEAR    1e-30 /* its reciprocal is a float too */
 #define LARGEST_DISTANCE 1e37
 
 /* A camera before it becomes matrices: columns of world are right, up, back and position. */
@@ -65,10 +65,22 @@ static void sine_cosine(double degrees, double *sine, double *cosine) {
     double rest = (degrees - quarter * 90.0) * (PI / 180.0);
     double s = sin(rest), c = cos(rest);
     switch ((int)fmod(quarter, 4.0) & 3) {
-    case 0: *sine = s; *cosine = c; break;
-    case 1: *sine = c; *cosine = -s; break;
-    case 2: *sine = -s; *cosine = -c; break;
-    default: *sine = -c; *cosine = s; break;
+    case 0:
+        *sine = s;
+        *cosine = c;
+        break;
+    case 1:
+        *sine = c;
+        *cosine = -s;
+        break;
+    case 2:
+        *sine = -s;
+        *cosine = -c;
+        break;
+    default:
+        *sine = -c;
+        *cosine = s;
+        break;
     }
 }
 
@@ -276,10 +288,10 @@ static strata_result fail_unknown(const scene *s, const char *name, base_error *
     base_text names = {0};
     for (uint32_t i = 0; i < s->camera_count && i < 16; i++)
         base_text_add(&names, "%s%u '%s'", i ? ", " : "", i, s->cameras[i].name);
-    strata_result result =
-        base_fail(err, STRATA_ERROR_NOT_FOUND,
-                  "%s: no camera '%s'; it has %s%s, and orbit:AZIMUTH,ELEVATION is always there",
-                  s->path, name, names.length ? names.data : "none", s->camera_count > 16 ? ".." : "");
+    strata_result result = base_fail(
+        err, STRATA_ERROR_NOT_FOUND,
+        "%s: no camera '%s'; it has %s%s, and orbit:AZIMUTH,ELEVATION is always there", s->path,
+        name, names.length ? names.data : "none", s->camera_count > 16 ? ".." : "");
     base_text_free(&names);
     return result;
 }
@@ -288,7 +300,8 @@ strata_result scene_view_make(const scene *s, const char *camera, double turn, u
                               uint32_t height, scene_view *view, base_error *err) {
     *view = (scene_view){0};
     if (width == 0 || height == 0 || !isfinite(turn))
-        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "a view needs a size and a finite turn");
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
+                         "a view needs a size and a finite turn");
     double aspect = (double)width / (double)height, azimuth = 30.0, elevation = 20.0;
     const scene_camera *chosen = NULL;
     if (!camera || !*camera) {

@@ -2,7 +2,8 @@
  *
  * From a scene, the name of a camera and the size of the image to matrices. Everything is computed
  * in double and rounded once, so that huge, tiny and empty scenes give finite floats. The depth
- * convention is that of strata/gpu.h: reversed, 1 at the near plane, 0 at the far one or at infinity.
+ * convention is that of strata/gpu.h: reversed, 1 at the near plane, 0 at the far one or at
+ * infinity.
  */
 #ifndef STRATA_HOST_SCENE_CAMERA_H
 #define STRATA_HOST_SCENE_CAMERA_H
@@ -15,11 +16,12 @@ typedef struct scene_view {
     float eye_to_clip[16];
     float world_to_clip[16];
     float clip_to_world[16];
-    float eye[4];           /* world position, w = 1; orthographic: unit direction to the eye, w = 0 */
-    uint32_t orthographic;  /* 0 or 1 */
-    uint32_t from_scene;    /* 1: a camera of the scene, 0: orbit */
-    double near, far;       /* distances along the view axis, > 0; far 0 = infinite */
-    double half_width, half_height; /* of the image plane: at distance 1; orthographic: in scene units */
+    float eye[4]; /* world position, w = 1; orthographic: unit direction to the eye, w = 0 */
+    uint32_t orthographic; /* 0 or 1 */
+    uint32_t from_scene;   /* 1: a camera of the scene, 0: orbit */
+    double near, far;      /* distances along the view axis, > 0; far 0 = infinite */
+    double half_width,
+        half_height; /* of the image plane: at distance 1; orthographic: in scene units */
 } scene_view;
 
 /* camera: a camera's name, else its index, else "orbit:AZIMUTH,ELEVATION" in degrees; NULL or "" is
