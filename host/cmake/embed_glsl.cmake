@@ -6,8 +6,9 @@
 #
 # adds to TARGET a generated source and the header "ID_glsl.h", which declares for each FILE
 # NAME.glsl `extern const strata_glsl NAME_glsl;` (a dot in NAME becomes _) and for all of them
-# `extern const strata_glsl *const ID_glsl_all[];`, NULL-terminated. The path that compile errors name is FILE's,
-# relative to BASE (default: the project's top folder). Run as a script, this file is the generator.
+# `extern const strata_glsl *const ID_glsl_all[];`, NULL-terminated. The path that compile errors
+# name is FILE's, relative to BASE (default: the project's top folder). Run as a script, this file
+# is the generator.
 if(NOT CMAKE_SCRIPT_MODE_FILE)
   set(STRATA_EMBED_SCRIPT "${CMAKE_CURRENT_LIST_FILE}" CACHE INTERNAL "")
 
