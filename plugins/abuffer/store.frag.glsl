@@ -5,7 +5,7 @@
 // opaque output may make a driver drop a tile's storage writes.
 #define STRATA_RANGES coherent
 #define STRATA_RECORDS writeonly
-#define STRATA_PAYLOAD_ACCESS writeonly
+#define STRATA_PAYLOAD_WRITE
 #include "strata/shading.glsl"
 #include "strata/fragments.glsl"
 #include "strata/effects.glsl"

@@ -286,19 +286,21 @@ static void record_deep(const ppc *p, const strata_frame *frame) {
     binds b = {.count = 0};
     add_buffer(&b, "StrataRanges", p->fragments->ranges);
     add_pool(&b, p->fragments->records);
-    add_buffer(&b, "Classes", p->classes);
-    add_buffer(&b, "Lists", p->lists);
     add_pool(&b, p->deep);
     add_pool(&b, p->block);
     add_pool(&b, p->slot);
-    if (linked)
-        add_pool(&b, p->index);
+    const uint32_t pools = b.count;
+    add_buffer(&b, "Classes", p->classes);
+    add_buffer(&b, "Lists", p->lists);
 
     dispatch_indirect(p, frame, "owners", p->owners_program, &b, deep, NULL);
     if (linked) {
+        binds g = b;
         uint32_t groups[3];
+        g.count = pools;
+        add_pool(&g, p->index);
         strata_groups(p->gpu->pool_capacity(p->gpu->self, p->fragments->records), groups);
-        dispatch(frame, "gather", p->gather_program, &b, groups);
+        dispatch(frame, "gather", p->gather_program, &g, groups);
     }
     dispatch_indirect(p, frame, "blocks", p->blocks_program, &b, block, NULL);
     for (uint32_t i = 0; i < p->rounds; ++i)

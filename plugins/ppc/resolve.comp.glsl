@@ -2,7 +2,7 @@
 //
 // ppc, one class of pixels, one invocation a pixel: loads up to SIZE records' keys, sorts them in a
 // register network, and folds. Pixels with equal keys are left to tied.comp.glsl. SIZE 1 sorts nothing.
-#define STRATA_PAYLOAD_ACCESS readonly
+#define STRATA_PAYLOAD_READ
 #include "strata/fragments.glsl"
 #include "strata/fold.glsl"
 #include "strata/scan.glsl"

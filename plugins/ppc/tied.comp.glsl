@@ -2,7 +2,7 @@
 //
 // ppc, pixels of at most 64 fragments among which keys are equal: insertion sort by (key, order). Few
 // pixels as a rule; at most 2,016 moves each.
-#define STRATA_PAYLOAD_ACCESS readonly
+#define STRATA_PAYLOAD_READ
 #include "strata/fragments.glsl"
 #include "strata/fold.glsl"
 #include "strata/scan.glsl"

@@ -2,7 +2,7 @@
 //
 // ppc, deep pixels, last: folds the sorted slots params.first .. params.first + WALK_CHUNK - 1 of each
 // pixel, in order, so that the bits are those of one long fold; the state waits in WalkState.
-#define STRATA_PAYLOAD_ACCESS readonly
+#define STRATA_PAYLOAD_READ
 #include "strata/fragments.glsl"
 #include "strata/fold.glsl"
 #include "strata/scan.glsl"

@@ -8,17 +8,7 @@
 
 #include "strata/frame.glsl"
 #include "strata/scene.glsl"
-
-struct StrataSurface {
-    vec3 color;         // radiance that leaves the surface towards the eye, not premultiplied
-    float alpha;        // coverage; 1 unless the material blends
-    float transmission; // share of the light that enters which is not scattered, 0..1
-    vec3 tint;          // share of the light from behind that passes through the surface
-    uint primitive;     // number in the whole scene
-    uint material;
-    vec3 position;      // world
-    vec3 normal;        // world, unit, on the side that is seen; zero where there is none
-};
+#include "strata/surface.glsl"
 
 layout(location = 0) flat in uvec4 strata_in_ids;
 layout(location = 1) flat in vec4 strata_in_base_color;
