@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * EGL without windows: the displays of the machine's devices, an OpenGL 4.5 core context on one of
- * them, the functions it offers, and making it current without disturbing what the embedding program
- * has current. First file of the OpenGL backend.
+ * them, the functions it offers, and making it current without disturbing what the embedding
+ * program has current. First file of the OpenGL backend.
  */
 #include "gpu/gl/gl_internal.h"
 
@@ -95,12 +95,9 @@ void gl_leave(gl *g) {
 }
 
 static EGLContext context_make(EGLDisplay display, int check, int robust) {
-    EGLint attributes[16] = {EGL_CONTEXT_MAJOR_VERSION,
-                             4,
-                             EGL_CONTEXT_MINOR_VERSION,
-                             5,
-                             EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                             EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT};
+    EGLint attributes[16] = {EGL_CONTEXT_MAJOR_VERSION,       4,
+                             EGL_CONTEXT_MINOR_VERSION,       5,
+                             EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT};
     uint32_t used = 6;
     if (check) {
         attributes[used++] = EGL_CONTEXT_OPENGL_DEBUG;
@@ -177,7 +174,8 @@ static strata_result needs_check(gl *g, base_error *err) {
     g->fn.GetIntegerv = (PFNGLGETINTEGERVPROC)eglGetProcAddress("glGetIntegerv");
     g->fn.GetStringi = (PFNGLGETSTRINGIPROC)eglGetProcAddress("glGetStringi");
     if (!g->fn.GetIntegerv || !g->fn.GetStringi)
-        return base_fail(err, STRATA_ERROR_UNSUPPORTED, "gl: the driver offers no OpenGL functions");
+        return base_fail(err, STRATA_ERROR_UNSUPPORTED,
+                         "gl: the driver offers no OpenGL functions");
     g->fn.GetIntegerv(GL_MAJOR_VERSION, &major);
     g->fn.GetIntegerv(GL_MINOR_VERSION, &minor);
     int core_46 = major > 4 || (major == 4 && minor >= 6);
@@ -197,9 +195,9 @@ strata_result gl_context_create(gl *g, EGLDisplay display, base_error *err) {
     if (g->context == EGL_NO_CONTEXT)
         g->context = context_make(display, g->check, 0);
     if (g->context == EGL_NO_CONTEXT)
-        result = base_fail(err, STRATA_ERROR_UNSUPPORTED,
-                           "gl: no OpenGL 4.5 core context (EGL error 0x%04x)",
-                           (unsigned)eglGetError());
+        result =
+            base_fail(err, STRATA_ERROR_UNSUPPORTED,
+                      "gl: no OpenGL 4.5 core context (EGL error 0x%04x)", (unsigned)eglGetError());
     else if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, g->context))
         result = base_fail(err, STRATA_ERROR_UNSUPPORTED,
                            "gl: the new context cannot be made current (EGL error 0x%04x)",

@@ -13,8 +13,8 @@
 #define GL_GPU_MEMORY_INFO_DEDICATED_VIDMEM_NVX 0x9047
 #endif
 #ifndef GL_SUBGROUP_SIZE_KHR /* GL_KHR_shader_subgroup */
-#define GL_SUBGROUP_SIZE_KHR 0x9532
-#define GL_SUBGROUP_SUPPORTED_STAGES_KHR 0x9533
+#define GL_SUBGROUP_SIZE_KHR               0x9532
+#define GL_SUBGROUP_SUPPORTED_STAGES_KHR   0x9533
 #define GL_SUBGROUP_SUPPORTED_FEATURES_KHR 0x9534
 #define GL_SUBGROUP_FEATURE_BALLOT_BIT_KHR 0x00000008
 #endif
@@ -95,17 +95,17 @@ static void caps_fill(const gl *g, gpu_backend_caps *caps) {
         GLint stages = integer_of(g, GL_SUBGROUP_SUPPORTED_STAGES_KHR);
         GLint wanted = GL_FRAGMENT_SHADER_BIT | GL_COMPUTE_SHADER_BIT;
         caps->subgroup = (uint32_t)integer_of(g, GL_SUBGROUP_SIZE_KHR);
-        caps->subgroup_ballot = (stages & wanted) == wanted &&
-                                (integer_of(g, GL_SUBGROUP_SUPPORTED_FEATURES_KHR) &
-                                 GL_SUBGROUP_FEATURE_BALLOT_BIT_KHR) != 0;
+        caps->subgroup_ballot =
+            (stages & wanted) == wanted && (integer_of(g, GL_SUBGROUP_SUPPORTED_FEATURES_KHR) &
+                                            GL_SUBGROUP_FEATURE_BALLOT_BIT_KHR) != 0;
     }
     caps->int64_atomics = gl_has(g, "GL_NV_shader_atomic_int64") != 0;
     caps->fragment_interlock = gl_has(g, "GL_ARB_fragment_shader_interlock") &&
                                gl_has_spirv(g, "SPV_EXT_fragment_shader_interlock");
     caps->framebuffer_fetch = gl_has(g, "GL_EXT_shader_framebuffer_fetch") != 0;
-    caps->stencil_export = gl_has(g, "GL_ARB_shader_stencil_export") &&
-                           (gl_has_spirv(g, "SPV_EXT_shader_stencil_export") ||
-                            strstr(caps->driver, "Mesa") != NULL);
+    caps->stencil_export =
+        gl_has(g, "GL_ARB_shader_stencil_export") &&
+        (gl_has_spirv(g, "SPV_EXT_shader_stencil_export") || strstr(caps->driver, "Mesa") != NULL);
 }
 
 static strata_result state_init(gl *g, base_error *err) {

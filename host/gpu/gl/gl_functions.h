@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The OpenGL functions that the GL backend calls, once each: X(PFN suffix, name). From this list come
- * the struct of pointers and the loader (gl_context.c). Everything is OpenGL 4.5 core, except the
- * second list, which 4.6 took over from extensions under the same name without ARB.
+ * The OpenGL functions that the GL backend calls, once each: X(PFN suffix, name). From this list
+ * come the struct of pointers and the loader (gl_context.c). Everything is OpenGL 4.5 core, except
+ * the second list, which 4.6 took over from extensions under the same name without ARB.
  */
 #ifndef STRATA_HOST_GPU_GL_FUNCTIONS_H
 #define STRATA_HOST_GPU_GL_FUNCTIONS_H

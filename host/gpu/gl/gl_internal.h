@@ -16,12 +16,12 @@
 #include "gpu/backend.h"
 #include "gpu/gl/gl_functions.h"
 
-#define GL_MAX_COLORS 8u
+#define GL_MAX_COLORS  8u
 #define GL_MAX_DEVICES 32u
 
 typedef struct gl_format {
     GLenum internal, format, type; /* storage; pixel transfer of the host's texels */
-    uint32_t texel;                /* bytes a texel on the host; D32F_S8: depth word, stencil word */
+    uint32_t texel; /* bytes a texel on the host; D32F_S8: depth word, stencil word */
     uint32_t integer, depth, stencil;
 } gl_format;
 
@@ -73,10 +73,10 @@ typedef struct gl {
     uint32_t entered;
 
     int check, lost, recording;
-    base_error failure;  /* of recording; returned by submit */
-    char message[400];   /* the driver's first complaint since the last report */
-    const char *where;   /* what is being executed, for the driver's messages */
-    GLint limits[4];     /* binding points by gpu_binding_kind */
+    base_error failure; /* of recording; returned by submit */
+    char message[400];  /* the driver's first complaint since the last report */
+    const char *where;  /* what is being executed, for the driver's messages */
+    GLint limits[4];    /* binding points by gpu_binding_kind */
 
     GLuint vertex_array, bare_target; /* a draw needs one; framebuffer without attachments */
     uint32_t bare_width, bare_height;
@@ -89,6 +89,7 @@ typedef struct gl {
     uint32_t ring_used, ring_alignment;
 
     gl_timer_trust timer;
+    int timing; /* between gl_timer_begin and gl_timer_end of a measured pass */
     gl_sample *samples;
     size_t sample_count, sample_capacity;
     GLuint *queries; /* reused from submission to submission */
@@ -99,7 +100,8 @@ typedef struct gl {
 
 /* Displays that an instance could live on, in order of preference; returns how many. */
 uint32_t gl_displays(EGLDisplay displays[GL_MAX_DEVICES]);
-/* Makes the context on `display` and loads the functions. On success the caller is inside gl_enter. */
+/* Makes the context on `display` and loads the functions. On success the caller is inside gl_enter.
+ */
 strata_result gl_context_create(gl *g, EGLDisplay display, base_error *err);
 void gl_context_destroy(gl *g); /* ends the caller's gl_enter */
 /* Makes the context current. Every success wants its gl_leave; after a failure there is none. */
@@ -154,13 +156,17 @@ void gl_copy(void *self, void *to, uint64_t to_offset, void *from, uint64_t from
 void gl_clear_image(void *self, void *image, const float value[4], const gpu_barrier *barriers,
                     uint32_t barrier_count);
 
-/* gl_submit.c: from begin to submit, and the time of passes. */
+/* gl_submit.c: from begin to submit. */
 void gl_begin(void *self);
 /* Whether recording may go on: begins it where it has not begun; 0 after a failure. */
 int gl_recording(gl *g);
 strata_result gl_submit(void *self, double *ms, uint32_t timing_count, base_error *err);
+
+/* gl_timer.c: the time between the two calls, where `timed` is not 0. */
 void gl_timer_begin(gl *g, uint32_t timed);
 void gl_timer_end(gl *g);
+/* After the device has finished: hands out the submission's times and forgets them. */
+void gl_timers_collect(gl *g, double *ms, uint32_t count);
 void gl_timers_free(gl *g);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Buffers, images and programs of the OpenGL backend. New storage is zero; programs arrive as SPIR-V
- * for the OpenGL target with an explicit binding for every resource.
+ * Buffers, images and programs of the OpenGL backend. New storage is zero; programs arrive as
+ * SPIR-V for the OpenGL target with an explicit binding for every resource.
  */
 #include "gpu/gl/gl_internal.h"
 
@@ -22,7 +22,8 @@ static const gl_format formats[] = {
                                GL_FLOAT_32_UNSIGNED_INT_24_8_REV, 8, 0, 1, 1},
 };
 
-/* ---- buffers ---------------------------------------------------------------------------------- */
+/* ---- buffers ----------------------------------------------------------------------------------
+ */
 static void buffer_fill_storage(gl *g, gl_buffer *buffer, const strata_buffer_desc *desc) {
     const GLuint zero = 0;
     const uint64_t step = 1u << 30; /* drivers count bytes of one clear in 32 bits */
@@ -73,7 +74,8 @@ void gl_buffer_destroy(void *self, void *native) {
     free(buffer);
 }
 
-/* ---- images ----------------------------------------------------------------------------------- */
+/* ---- images -----------------------------------------------------------------------------------
+ */
 void gl_clear_texel(const gl_format *format, const float value[4], uint32_t texel[4]) {
     for (uint32_t i = 0; i < 4; i++)
         texel[i] = value[i] > 0 ? (uint32_t)(value[i] < 4294967040.f ? value[i] : 4294967040.f) : 0;
@@ -142,7 +144,8 @@ void gl_image_destroy(void *self, void *native) {
     free(image);
 }
 
-/* ---- programs --------------------------------------------------------------------------------- */
+/* ---- programs ---------------------------------------------------------------------------------
+ */
 static GLuint shader_create(gl *g, GLenum stage, const uint32_t *spirv, size_t words,
                             const char *label, base_error *err) {
     GLint done = 0;

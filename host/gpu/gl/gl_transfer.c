@@ -69,8 +69,8 @@ strata_result gl_image_write(void *self, void *native, uint32_t layer, uint32_t 
         g->fn.TextureSubImage3D(image->name, 0, (GLint)x, (GLint)y, (GLint)layer, (GLsizei)width,
                                 (GLsizei)height, 1, format->format, format->type, texels);
     else
-        g->fn.TextureSubImage2D(image->name, 0, (GLint)x, (GLint)y, (GLsizei)width,
-                                (GLsizei)height, format->format, format->type, texels);
+        g->fn.TextureSubImage2D(image->name, 0, (GLint)x, (GLint)y, (GLsizei)width, (GLsizei)height,
+                                format->format, format->type, texels);
     result = gl_report(g, STRATA_OK, "writing an image", err);
     gl_leave(g);
     return result;
