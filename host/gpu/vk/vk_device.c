@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The Vulkan backend as the device seam sees it: the table, opening and closing, what the device can
- * do, and how a VkResult or a validation message becomes the host's one line of error.
+ * The Vulkan backend as the device seam sees it: the table, opening and closing, what the device
+ * can do, and how a VkResult or a validation message becomes the host's one line of error.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +9,8 @@
 
 #include "gpu/vk/vk_internal.h"
 
-/* ---- errors ----------------------------------------------------------------------------------- */
+/* ---- errors -----------------------------------------------------------------------------------
+ */
 
 typedef struct vk_code {
     VkResult code;
@@ -71,7 +72,8 @@ void vk_name(vk *v, VkObjectType type, uint64_t handle, const char *name) {
         v->set_name(v->device, &info);
 }
 
-/* ---- opening ---------------------------------------------------------------------------------- */
+/* ---- opening ----------------------------------------------------------------------------------
+ */
 
 static uint64_t smaller(uint64_t a, uint64_t b) {
     return a < b ? a : b;
@@ -101,7 +103,8 @@ static void read_limits(vk *v, gpu_backend_caps *caps, uint8_t uuid[VK_UUID_SIZE
             caps->memory = v->memory.memoryHeaps[i].size;
     uint64_t side = smaller(limits->maxImageDimension2D, limits->maxFramebufferWidth);
     side = smaller(side, limits->maxFramebufferHeight);
-    side = smaller(side, smaller(limits->maxViewportDimensions[0], limits->maxViewportDimensions[1]));
+    side =
+        smaller(side, smaller(limits->maxViewportDimensions[0], limits->maxViewportDimensions[1]));
     caps->image_size = (uint32_t)side;
     caps->groups = (uint32_t)smaller(
         limits->maxComputeWorkGroupCount[0],
@@ -225,7 +228,8 @@ void vk_close(void *self) {
     free(v);
 }
 
-/* ---- the table -------------------------------------------------------------------------------- */
+/* ---- the table --------------------------------------------------------------------------------
+ */
 
 static const char *no_log(void *self) {
     (void)self;

@@ -14,11 +14,12 @@
 
 #include "gpu/backend.h"
 
-#define GPU_VK_MAX_BINDINGS 64u /* of one program */
-#define GPU_VK_MAX_TIMED 1024u  /* measured passes of one submission; later ones stay unmeasured */
-#define GPU_VK_MAX_COLORS 8u
+#define GPU_VK_MAX_BINDINGS 64u   /* of one program */
+#define GPU_VK_MAX_TIMED    1024u /* measured passes of one submission; later ones stay unmeasured */
+#define GPU_VK_MAX_COLORS   8u
 
-/* ---- memory: vk_memory.c ---------------------------------------------------------------------- */
+/* ---- memory: vk_memory.c ----------------------------------------------------------------------
+ */
 typedef struct vk_block vk_block; /* one vkAllocateMemory that small objects share */
 
 typedef struct vk_memory {
@@ -53,7 +54,8 @@ typedef struct vk_image {
     uint32_t width, height, layers; /* layers >= 1 */
 } vk_image;
 
-/* ---- programs: vk_program.c ------------------------------------------------------------------- */
+/* ---- programs: vk_program.c -------------------------------------------------------------------
+ */
 
 /* What of a pass is baked into a graphics pipeline; the rest is dynamic state. No padding, compared
  * as bytes. */
@@ -79,7 +81,8 @@ typedef struct vk_program {
     size_t pipeline_count, pipeline_capacity;
 } vk_program;
 
-/* ---- the device: vk_device.c ------------------------------------------------------------------ */
+/* ---- the device: vk_device.c ------------------------------------------------------------------
+ */
 typedef struct vk {
     VkInstance instance;
     VkPhysicalDevice physical;
@@ -118,7 +121,8 @@ typedef struct vk {
     vk_buffer staging; /* made at first use */
 } vk;
 
-/* vk_device.c: words a VkResult ("what: text"), remembers a lost device. VK_SUCCESS is STRATA_OK. */
+/* vk_device.c: words a VkResult ("what: text"), remembers a lost device. VK_SUCCESS is STRATA_OK.
+ */
 strata_result vk_fail(vk *v, VkResult code, base_error *err, const char *what);
 /* Ends a call: a validation message since the last report turns success into INTERNAL. */
 strata_result vk_report(vk *v, strata_result result, base_error *err);
@@ -158,6 +162,7 @@ strata_result vk_image_create(void *self, const strata_image_desc *desc, void **
 void vk_image_destroy(void *self, void *native);
 /* A clear value as the image's format wants it: integers are given as floats. */
 VkClearColorValue vk_clear_color(const vk_image *image, const float value[4]);
+uint32_t vk_clear_integer(float value); /* saturating; NaN and negative are 0 */
 
 /* vk_transfer.c */
 strata_result vk_buffer_read(void *self, void *native, uint64_t offset, uint64_t size, void *data,
@@ -173,9 +178,12 @@ strata_result vk_image_write(void *self, void *native, uint32_t layer, uint32_t 
 strata_result vk_program_create(void *self, const gpu_program_info *info, void **native,
                                 base_error *err);
 void vk_program_destroy(void *self, void *native);
+VkDescriptorType vk_descriptor_type(gpu_binding_kind kind);
 /* The pipeline of a pass that draws; made at first use, kept by the program. */
 strata_result vk_pipeline_get(vk *v, vk_program *program, const gpu_native_pass *pass,
                               VkPipeline *out, base_error *err);
+
+/* vk_cache.c */
 void vk_cache_open(vk *v, const char *folder, const uint8_t uuid[VK_UUID_SIZE]);
 void vk_cache_close(vk *v);
 

@@ -10,7 +10,7 @@
 #include "gpu/vk/vk_internal.h"
 
 #define SMALLEST_SLOT UINT64_C(4096)
-#define LARGEST_SLOT (UINT64_C(1) << 20) /* above: a dedicated allocation */
+#define LARGEST_SLOT  (UINT64_C(1) << 20) /* above: a dedicated allocation */
 #define LARGEST_BLOCK (UINT64_C(16) << 20)
 
 struct vk_block {
@@ -22,11 +22,12 @@ struct vk_block {
     uint32_t slots, type, image;
 };
 
-/* ---- memory types ----------------------------------------------------------------------------- */
+/* ---- memory types -----------------------------------------------------------------------------
+ */
 
-#define DEVICE VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT
+#define DEVICE  VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT
 #define VISIBLE (VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT)
-#define CACHED VK_MEMORY_PROPERTY_HOST_CACHED_BIT
+#define CACHED  VK_MEMORY_PROPERTY_HOST_CACHED_BIT
 
 /* First type with all of `with` and none of `without`; UINT32_MAX if there is none. */
 static uint32_t find_type(const vk *v, uint32_t bits, VkMemoryPropertyFlags with,
@@ -45,15 +46,16 @@ static uint32_t choose_type(const vk *v, uint32_t bits, vk_memory_use use) {
     static const VkMemoryPropertyFlags wishes[3][4][2] = {
         [GPU_VK_BUFFER] = {{DEVICE | VISIBLE | CACHED, 0}, {DEVICE, VISIBLE}, {DEVICE, 0}, {0, 0}},
         [GPU_VK_IMAGE] = {{DEVICE, VISIBLE}, {DEVICE, 0}, {0, 0}, {0, 0}},
-        [GPU_VK_STAGING] = {{VISIBLE | CACHED, DEVICE}, {VISIBLE | CACHED, 0}, {VISIBLE, 0},
-                            {VISIBLE, 0}}};
+        [GPU_VK_STAGING] = {
+            {VISIBLE | CACHED, DEVICE}, {VISIBLE | CACHED, 0}, {VISIBLE, 0}, {VISIBLE, 0}}};
     uint32_t type = UINT32_MAX;
     for (size_t i = 0; i < 4 && type == UINT32_MAX; i++)
         type = find_type(v, bits, wishes[use][i][0], wishes[use][i][1]);
     return type;
 }
 
-/* ---- allocations ------------------------------------------------------------------------------ */
+/* ---- allocations ------------------------------------------------------------------------------
+ */
 
 static strata_result allocate(vk *v, VkDeviceSize size, uint32_t type, VkDeviceMemory *memory,
                               unsigned char **map, base_error *err) {
@@ -99,8 +101,7 @@ static strata_result block_create(vk *v, VkDeviceSize slot, uint32_t type, uint3
     block->slots = (uint32_t)(LARGEST_BLOCK / slot < 64 ? LARGEST_BLOCK / slot : 64);
     block->type = type;
     block->image = image;
-    strata_result result =
-        allocate(v, slot * block->slots, type, &block->memory, &block->map, err);
+    strata_result result = allocate(v, slot * block->slots, type, &block->memory, &block->map, err);
     if (result != STRATA_OK) {
         free(block);
         return result;
@@ -157,7 +158,8 @@ void vk_memory_free(vk *v, vk_memory *memory) {
     *memory = (vk_memory){0};
 }
 
-/* ---- buffers ---------------------------------------------------------------------------------- */
+/* ---- buffers ----------------------------------------------------------------------------------
+ */
 
 strata_result vk_buffer_init(vk *v, VkDeviceSize size, vk_memory_use use, vk_buffer *out,
                              base_error *err) {
@@ -179,10 +181,9 @@ strata_result vk_buffer_init(vk *v, VkDeviceSize size, vk_memory_use use, vk_buf
     vkGetBufferMemoryRequirements(v->device, out->handle, &needs);
     strata_result result = vk_memory_allocate(v, &needs, use, &out->memory, err);
     if (result == STRATA_OK)
-        result = vk_fail(v,
-                         vkBindBufferMemory(v->device, out->handle, out->memory.memory,
-                                            out->memory.offset),
-                         err, "buffer");
+        result = vk_fail(
+            v, vkBindBufferMemory(v->device, out->handle, out->memory.memory, out->memory.offset),
+            err, "buffer");
     if (result != STRATA_OK)
         vk_buffer_release(v, out);
     return result;

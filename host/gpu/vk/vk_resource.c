@@ -8,7 +8,8 @@
 
 #include "gpu/vk/vk_internal.h"
 
-/* ---- buffers ---------------------------------------------------------------------------------- */
+/* ---- buffers ----------------------------------------------------------------------------------
+ */
 
 static strata_result fill_new(vk *v, vk_buffer *buffer, const void *data, base_error *err) {
     if (data)
@@ -58,7 +59,8 @@ void vk_buffer_destroy(void *self, void *native) {
     free(buffer);
 }
 
-/* ---- images ----------------------------------------------------------------------------------- */
+/* ---- images -----------------------------------------------------------------------------------
+ */
 
 typedef struct vk_format {
     VkFormat format;
@@ -69,7 +71,7 @@ typedef struct vk_format {
 
 #define COLOR                                                                                      \
     (VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT)
-#define DEPTH (VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT)
+#define DEPTH        (VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT)
 #define ASPECT_COLOR VK_IMAGE_ASPECT_COLOR_BIT
 #define ASPECT_DEPTH VK_IMAGE_ASPECT_DEPTH_BIT
 
@@ -155,16 +157,16 @@ static strata_result create_image(vk *v, const VkImageCreateInfo *info, int arra
 static strata_result clear_new(vk *v, const vk_image *image, base_error *err) {
     const VkImageSubresourceRange range = {
         .aspectMask = image->aspects, .levelCount = 1, .layerCount = image->layers};
-    const VkImageMemoryBarrier2 transition = {
-        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-        .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-        .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT,
-        .oldLayout = VK_IMAGE_LAYOUT_UNDEFINED,
-        .newLayout = VK_IMAGE_LAYOUT_GENERAL,
-        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .image = image->handle,
-        .subresourceRange = range};
+    const VkImageMemoryBarrier2 transition = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+                                              .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                              .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT |
+                                                               VK_ACCESS_2_MEMORY_WRITE_BIT,
+                                              .oldLayout = VK_IMAGE_LAYOUT_UNDEFINED,
+                                              .newLayout = VK_IMAGE_LAYOUT_GENERAL,
+                                              .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                              .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                              .image = image->handle,
+                                              .subresourceRange = range};
     const VkDependencyInfo dependency = {.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
                                          .imageMemoryBarrierCount = 1,
                                          .pImageMemoryBarriers = &transition};
@@ -235,8 +237,7 @@ void vk_image_destroy(void *self, void *native) {
     free(image);
 }
 
-/* Nearest representable value; NaN and negative are 0. */
-static uint32_t as_integer(float value) {
+uint32_t vk_clear_integer(float value) {
     if (!(value > 0.0f))
         return 0;
     return value >= 4294967296.0f ? UINT32_MAX : (uint32_t)value;
@@ -246,7 +247,7 @@ VkClearColorValue vk_clear_color(const vk_image *image, const float value[4]) {
     VkClearColorValue clear;
     for (int i = 0; i < 4; i++)
         if (image->integer)
-            clear.uint32[i] = as_integer(value[i]);
+            clear.uint32[i] = vk_clear_integer(value[i]);
         else
             clear.float32[i] = value[i];
     return clear;
