@@ -7,7 +7,7 @@
 #ifndef STRATA_HOST_SCENE_GLTF_H
 #define STRATA_HOST_SCENE_GLTF_H
 
-#include "scene/scene_internal.h"
+#include "scene/animations.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,8 +15,8 @@ extern "C" {
 
 /* Indices are SCENE_NONE where absent. Pointers into the view live until gltf_parse_free. */
 typedef struct gltf_buffer {
-    const char *uri; /* NULL: the GLB's binary chunk */
-    uint64_t length; /* byteLength as declared */
+    const char *uri;            /* NULL: the GLB's binary chunk */
+    uint64_t length;            /* byteLength as declared */
     const unsigned char *bytes; /* `length` of them, once gltf_read_buffers ran */
     unsigned char *owned;       /* bytes, when they are not part of the file in memory */
 } gltf_buffer;
@@ -80,8 +80,8 @@ typedef struct gltf_node {
     const char *name;
     const int *children;
     uint32_t child_count, mesh, skin, camera, light;
-    const double *matrix;                           /* 16, or NULL: the three below hold */
-    double translation[3], rotation[4], scale[3];   /* rotation: quaternion x y z w */
+    const double *matrix;                         /* 16, or NULL: the three below hold */
+    double translation[3], rotation[4], scale[3]; /* rotation: quaternion x y z w */
     const double *weights;
     uint32_t weight_count;
     gltf_attributes instancing; /* EXT_mesh_gpu_instancing; count 0: absent */
@@ -127,20 +127,34 @@ typedef struct gltf_scene_list {
 } gltf_scene_list;
 
 typedef struct gltf_file {
-    gltf_buffer *buffers;             uint32_t buffer_count;
-    const gltf_image *images;         uint32_t image_count;
-    const gltf_view *views;           uint32_t view_count;
-    const gltf_accessor *accessors;   uint32_t accessor_count;
-    const gltf_mesh *meshes;          uint32_t mesh_count;
-    const gltf_node *nodes;           uint32_t node_count;
-    const gltf_material *materials;   uint32_t material_count;
-    const gltf_texture *textures;     uint32_t texture_count;
-    const gltf_sampler *samplers;     uint32_t sampler_count;
-    const gltf_channel *channels;     uint32_t channel_count; /* of all animations, in order */
-    const gltf_skin *skins;           uint32_t skin_count;
-    const scene_camera *cameras;      uint32_t camera_count; /* name belongs to the view */
-    const scene_light *lights;        uint32_t light_count;  /* likewise */
-    const gltf_scene_list *scenes;    uint32_t scene_count;
+    gltf_buffer *buffers;
+    uint32_t buffer_count;
+    const gltf_image *images;
+    uint32_t image_count;
+    const gltf_view *views;
+    uint32_t view_count;
+    const gltf_accessor *accessors;
+    uint32_t accessor_count;
+    const gltf_mesh *meshes;
+    uint32_t mesh_count;
+    const gltf_node *nodes;
+    uint32_t node_count;
+    const gltf_material *materials;
+    uint32_t material_count;
+    const gltf_texture *textures;
+    uint32_t texture_count;
+    const gltf_sampler *samplers;
+    uint32_t sampler_count;
+    const gltf_channel *channels;
+    uint32_t channel_count; /* of all animations, in order */
+    const gltf_skin *skins;
+    uint32_t skin_count;
+    const scene_camera *cameras;
+    uint32_t camera_count; /* name belongs to the view */
+    const scene_light *lights;
+    uint32_t light_count; /* likewise */
+    const gltf_scene_list *scenes;
+    uint32_t scene_count;
     uint32_t scene; /* the default one, or SCENE_NONE */
     void *owner;    /* of everything above but buffers and images */
 } gltf_file;
@@ -151,7 +165,8 @@ strata_result gltf_parse(const char *name, const char *text, size_t size, gltf_f
                          base_error *err);
 void gltf_parse_free(gltf_file *file);
 
-/* ---- everything below is C --------------------------------------------------------------------- */
+/* ---- everything below is C ---------------------------------------------------------------------
+ */
 
 /* The checked JSON, what it was before tinygltf and C take from it. */
 typedef struct gltf_document {
@@ -174,23 +189,28 @@ void gltf_document_free(gltf_document *document);
 typedef struct gltf_loader {
     scene *s;
     gltf_file file;
-    const char *folder; /* external files lie in it; NULL: there may be none */
+    const char *folder;          /* external files lie in it; NULL: there may be none */
     const unsigned char *binary; /* the GLB's chunk, or NULL */
     size_t binary_size;
     uint64_t bytes_left; /* what may still be allocated; guards against small files that unfold */
     size_t mesh_capacity, instance_capacity, material_capacity;
-    uint32_t *image_map;      /* glTF image -> scene image, SCENE_NONE: not decoded yet */
-    unsigned char *image_bad; /* glTF image: a warning was given */
+    scene_animations *animations; /* the hierarchy at least; becomes the scene's when it moves */
+    size_t *mesh_first;           /* glTF mesh -> its first primitive in mesh_map */
+    uint32_t *mesh_map;           /* glTF primitive, while rigid -> scene mesh */
+    uint32_t *image_map;          /* glTF image -> scene image, SCENE_NONE: not decoded yet */
+    unsigned char *image_bad;     /* glTF image: a warning was given */
     base_error *err;
 } gltf_loader;
 
-/* Takes count * size from what may still be allocated; fails naming `place` when it is not there. */
+/* Takes count * size from what may still be allocated; fails naming `place` when it is not there.
+ */
 strata_result gltf_charge(gltf_loader *l, const char *place, uint64_t count, uint64_t size);
 strata_result gltf_no_memory(gltf_loader *l);
 
 /* gltf_buffer.c */
 strata_result gltf_read_buffers(gltf_loader *l);
-/* A URI's bytes (data: or a file in the folder), malloc'd; the error's text lacks file and place. */
+/* A URI's bytes (data: or a file in the folder), malloc'd; the error's text lacks file and place.
+ */
 strata_result gltf_read_uri(const gltf_loader *l, const char *uri, size_t limit,
                             unsigned char **bytes, size_t *size, base_error *err);
 /* The bytes of a view; fails naming `place` when it leaves its buffer. */
@@ -228,7 +248,9 @@ strata_result gltf_read_primitive(gltf_loader *l, uint32_t mesh, uint32_t primit
 /* gltf_node.c: hierarchy, instances, lights and cameras of the default scene. */
 strata_result gltf_read_nodes(gltf_loader *l);
 
-/* animations.c: see scene_animations. */
+/* gltf_animation.c: channels and skins; needs the nodes. */
+strata_result gltf_read_animations(gltf_loader *l);
+
 #ifdef __cplusplus
 }
 #endif

@@ -10,7 +10,6 @@
 #define TINYGLTF_NO_EXTERNAL_IMAGE
 #define TINYGLTF_NO_FS
 #include <fstream>
-#pragma GCC visibility push(hidden)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wall"
 #pragma GCC diagnostic ignored "-Wextra"
@@ -20,7 +19,6 @@
 #pragma GCC diagnostic ignored "-Wshadow"
 #include <tiny_gltf.h>
 #pragma GCC diagnostic pop
-#pragma GCC visibility pop
 
 extern "C" {
 #include "scene/gltf.h"

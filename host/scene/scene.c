@@ -29,7 +29,7 @@ scene *scene_new(const char *path) {
     return s;
 }
 
-static void free_deform(scene_deform *deform) {
+void scene_deform_free(scene_deform *deform) {
     if (!deform)
         return;
     free(deform->joints);
@@ -53,7 +53,7 @@ static void free_mesh(scene_mesh *mesh) {
     free(mesh->colors);
     free(mesh->radii);
     free(mesh->indices);
-    free_deform(mesh->deform);
+    scene_deform_free(mesh->deform);
 }
 
 void scene_free(scene *s) {

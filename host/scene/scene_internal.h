@@ -53,6 +53,8 @@ void scene_mesh_bounds(scene_mesh *mesh);
 /* Recomputes s->lower/upper over the visible instances. */
 void scene_bounds(scene *s);
 
+void scene_deform_free(scene_deform *deform); /* NULL is fine */
+
 /* ---- animations.c ---------------------------------------------------------------------------- */
 void scene_animations_free(scene_animations *animations);
 
