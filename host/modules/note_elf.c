@@ -117,12 +117,12 @@ static strata_result elf_scan_segment(const elf_file *file, const Elf64_Phdr *se
 }
 
 static strata_result elf_find(const elf_file *file, char **text, base_error *err) {
-    Elf64_Ehdr header;
+    Elf64_Ehdr header = {0};
     strata_result result = elf_read(file, 0, &header, sizeof header, "the ELF header", err);
     if (result == STRATA_OK)
         result = elf_check_header(file, &header, err);
     for (uint32_t i = 0; result == STRATA_OK && !*text && i < header.e_phnum; i++) {
-        Elf64_Phdr segment;
+        Elf64_Phdr segment = {0};
         uint64_t offset;
         if (__builtin_add_overflow(header.e_phoff, (uint64_t)i * sizeof segment, &offset))
             return elf_fail(file, "the ELF program headers reach beyond the end of the file", err);

@@ -75,8 +75,10 @@ static strata_result open_entry(modules *m, const modules_note *note, modules_en
         if (&m->entries[i]->note == note)
             entry = m->entries[i];
     *out = entry;
-    if (!entry)
-        return base_fail(err, STRATA_ERROR_INTERNAL, "modules: a note without an entry");
+    if (!entry) {
+        base_fail(err, STRATA_ERROR_INTERNAL, "modules: a note without an entry");
+        return STRATA_ERROR_INTERNAL;
+    }
     if (entry->handle)
         return STRATA_OK;
     const char **opened =
