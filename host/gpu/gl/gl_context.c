@@ -85,6 +85,8 @@ strata_result gl_enter(gl *g, base_error *err) {
                              (unsigned)code);
         }
     }
+    if (g->recording) /* what went wrong so far is the recording's own, not the caller's */
+        gl_report(g, g->failure.result, "recording", &g->failure);
     g->entered++;
     return STRATA_OK;
 }

@@ -156,9 +156,10 @@ static void attachment_clear(gl *g, GLuint target, GLint index, const gl_image *
         g->fn.ClearNamedFramebufferfv(target, GL_COLOR, index, attachment->clear);
 }
 
-/* Clears obey the scissor and the write masks; so the masks are opened first. */
+/* Loads clear the whole attachment, and clears obey scissor and write masks: open them first. */
 static void attachments_load(gl *g, GLuint target, const gpu_native_pass *native) {
     const strata_pass *pass = native->pass;
+    g->fn.Scissor(0, 0, (GLsizei)native->width, (GLsizei)native->height);
     g->fn.DepthMask(GL_TRUE);
     g->fn.StencilMask(0xffu);
     for (uint32_t i = 0; i < pass->color_count; i++) {
