@@ -14,7 +14,7 @@
 typedef struct demand_fact {
     const char *id;     /* "materials.blend"; static */
     uint64_t value;     /* materials, triangles, ... in use by visible instances */
-    char evidence[128]; /* "3 materials with alphaMode BLEND, 2,060 triangles"; "" when 0 */
+    char evidence[192]; /* "3 materials with alphaMode BLEND, 2,060 triangles"; "" when 0 */
 } demand_fact;
 
 typedef struct demand {

@@ -290,7 +290,6 @@ static strata_result count_scene(const scene *s, const unsigned char *transparen
     if (!used)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY,
                          "%s: no memory to count its materials", s->path);
-    *primitives = 0;
     for (uint32_t i = 0; i < s->instance_count; i++) {
         const scene_mesh *mesh = &s->meshes[s->instances[i].mesh];
         if (!counts(s, &s->instances[i]))
@@ -362,7 +361,7 @@ static void summarise(const grid *g, strata_scene_stats *out) {
 strata_result estimate_stats(const scene *s, const estimate_view *view,
                              const unsigned char *transparent, strata_scene_stats *out,
                              base_error *err) {
-    uint64_t primitives;
+    uint64_t primitives = 0;
     *out = (strata_scene_stats){
         .struct_size = sizeof *out,
         .width = view->width,

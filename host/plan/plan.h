@@ -56,7 +56,7 @@ typedef struct plan_effect {
     uint32_t active;     /* 1: in this frame */
     uint32_t forced;     /* 1: switched on or off by the user against the scene */
     uint32_t index;      /* of active ones: 0, 1, ... in the order of ids; the payload field "id" */
-    char evidence[160];  /* "" when nothing calls for it */
+    char evidence[192];  /* "" when nothing calls for it */
     char reason[256];
 } plan_effect;
 
@@ -153,7 +153,6 @@ strata_result plan_payload_make(const modules_effect_note *const *effects, uint3
 json_t *plan_json(const plan *p);         /* one object; scene, size and device are the caller's */
 json_t *plan_json_effects(const plan *p); /* its "effects", also the account's */
 json_t *plan_json_techniques(const plan *p); /* its "techniques", the account's "plan" */
-json_t *plan_json_modules(const modules_note *const *modules,
-                          uint32_t count); /* list's "modules" */
+json_t *plan_json_modules(const modules_note *const *notes, uint32_t count); /* list's "modules" */
 
 #endif

@@ -1,0 +1,330 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The choice of what folds transparent fragments: one stream technique, or a capture and a resolve
+ * that agree on a layout of fragments/1. The cheapest that is exact, unless the user named one or
+ * accepts an error.
+ */
+#include "plan/plan_internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* One way to fold. capture is NULL for a stream technique, which stands in `fold`. */
+typedef struct way {
+    plan_candidate *capture, *fold;
+    uint32_t layout;
+    double cost; /* HUGE_VAL when unknown */
+} way;
+
+typedef struct search {
+    plan_work *w;
+    plan_candidate *named[PLAN_ROLES]; /* of the three roles, NULL = left open */
+    way best;
+    uint32_t ways; /* that were open to the choice */
+} search;
+
+static const char *const layouts[] = {"contiguous", "linked"};
+
+static int folds(const plan_candidate *c) {
+    return c->role == PLAN_CAPTURE || c->role == PLAN_RESOLVE || c->role == PLAN_STREAM;
+}
+
+static void cost_text(const plan_work *w, double cost, char text[48]) {
+    double floor = w->in->stats->transparent_fragments;
+    if (!(cost >= 0.0) || cost == HUGE_VAL)
+        snprintf(text, 48, "an unknown cost");
+    else if (floor > 0.0)
+        snprintf(text, 48, "%.3g", cost / floor);
+    else
+        snprintf(text, 48, "%.4g blended fragments", cost);
+}
+
+/* ---- who may take part ----------------------------------------------------------------------- */
+
+/* Why c may not fold this frame, whoever asks; 0 when it may. */
+static int check_frame(const plan_work *w, plan_candidate *c) {
+    const strata_promises *p = c->note->promises;
+    if (w->in->need_fragments && c->role == PLAN_STREAM) {
+        plan_reason(c, "deep output needs fragments/1, which it does not produce");
+        return 1;
+    }
+    if (w->in->need_fragments && p && p->order != STRATA_ORDER_EXACT) {
+        plan_reason(c, "deep output needs every fragment, which it does not keep");
+        return 1;
+    }
+    if (c->role == PLAN_CAPTURE || !p || p->determinism != STRATA_DETERMINISM_BOUNDED)
+        return 0;
+    for (uint32_t i = 0; i < w->out->effect_count; i++) {
+        const plan_effect *e = &w->out->effects[i];
+        if (!e->active || !(e->effect->flags & STRATA_EFFECT_SEQUENTIAL))
+            continue;
+        plan_reason(c, "it folds in parallel, and the effect %s is sequential", e->effect->id);
+        return 1;
+    }
+    return 0;
+}
+
+/* Why c may not be chosen unless it is named; 0 when it may. */
+static int check_accuracy(const plan_work *w, plan_candidate *c) {
+    const strata_promises *p = c->note->promises;
+    if (!p) {
+        plan_reason(c, "it promises nothing about its accuracy; --use may name it");
+        return 1;
+    }
+    if (p->order == STRATA_ORDER_APPROXIMATE) {
+        plan_reason(c, "it is approximate, without a bound; --use may name it");
+        return 1;
+    }
+    if (p->order == STRATA_ORDER_NEAREST && !(w->in->tolerance > 0.0)) {
+        plan_reason(c, "it keeps the nearest fragments only, and no tolerance is given");
+        return 1;
+    }
+    if (p->largest_depth > 0 && w->in->stats->largest_depth > (double)p->largest_depth) {
+        plan_reason(c, "it holds %u fragments a pixel, and about %.0f are expected",
+                    p->largest_depth, w->in->stats->largest_depth);
+        return 1;
+    }
+    return 0;
+}
+
+static strata_result find_named(search *s) {
+    plan_work *w = s->w;
+    for (uint32_t i = 0; i < w->count; i++) {
+        plan_candidate *c = &w->candidates[i];
+        if (!folds(c) || !c->named)
+            continue;
+        if (s->named[c->role])
+            return base_fail(w->err, STRATA_ERROR_INVALID_ARGUMENT,
+                             "--use: %s and %s both %s; a frame takes one",
+                             s->named[c->role]->note->id, c->note->id,
+                             c->role == PLAN_CAPTURE ? "produce fragments/1"
+                                                     : "fold transparent fragments");
+        s->named[c->role] = c;
+        if (check_frame(w, c))
+            return base_fail(w->err, STRATA_ERROR_INVALID_ARGUMENT, "--use: %s cannot run: %s",
+                             c->note->id, c->reason);
+    }
+    plan_candidate *stream = s->named[PLAN_STREAM];
+    plan_candidate *other =
+        s->named[PLAN_CAPTURE] ? s->named[PLAN_CAPTURE] : s->named[PLAN_RESOLVE];
+    if (stream && other)
+        return base_fail(w->err, STRATA_ERROR_INVALID_ARGUMENT,
+                         "--use: %s folds transparent fragments by itself, %s has no place "
+                         "beside it",
+                         stream->note->id, other->note->id);
+    return STRATA_OK;
+}
+
+static int eligible(const plan_work *w, plan_candidate *c) {
+    if (c->blocked || c->reason[0])
+        return 0;
+    return !check_frame(w, c) && (c->named || !check_accuracy(w, c));
+}
+
+/* ---- ways ------------------------------------------------------------------------------------ */
+
+/* The layout in which `capture` hands fragments to `resolve`; 0 when there is none. What the user
+ * set stays; else the preset, else the first that both know. */
+static int agree(const plan_candidate *capture, const plan_candidate *resolve, uint32_t *layout) {
+    const strata_slot_use *from = plan_slot(capture->note, "fragments/1", STRATA_SLOT_PRODUCES);
+    const strata_slot_use *to = plan_slot(resolve->note, "fragments/1", STRATA_SLOT_CONSUMES);
+    uint32_t contiguous = 1u << STRATA_FRAGMENTS_CONTIGUOUS;
+    uint32_t both =
+        (from->layouts ? from->layouts : contiguous) & (to->layouts ? to->layouts : contiguous);
+    int mode = plan_knob(capture->note, "mode");
+    if (mode >= 0) {
+        uint32_t current = (uint32_t)capture->values[mode];
+        if (capture->set_knobs & ((uint64_t)1 << mode))
+            both &= current < 32u ? 1u << current : 0u;
+        *layout = current;
+        if (current < 32u && (both & (1u << current)))
+            return 1;
+    }
+    for (*layout = 0; *layout < BASE_COUNT(layouts); ++*layout)
+        if (both & (1u << *layout))
+            return 1;
+    return 0;
+}
+
+static void note_way(plan_candidate *c, double cost) {
+    if (!c)
+        return;
+    c->ways++;
+    if (cost != HUGE_VAL && (c->compared == PLAN_NO_COST || cost < c->compared))
+        c->compared = cost;
+}
+
+static void consider(search *s, way candidate) {
+    const plan_candidate *capture = candidate.capture, *fold = candidate.fold;
+    if ((s->named[PLAN_CAPTURE] && s->named[PLAN_CAPTURE] != capture) ||
+        (s->named[PLAN_RESOLVE] && s->named[PLAN_RESOLVE] != fold) ||
+        (s->named[PLAN_STREAM] && s->named[PLAN_STREAM] != fold))
+        return;
+    candidate.cost = fold->cost == PLAN_NO_COST || (capture && capture->cost == PLAN_NO_COST)
+                         ? HUGE_VAL
+                         : fold->cost + (capture ? capture->cost : 0.0);
+    note_way(candidate.capture, candidate.cost);
+    note_way(candidate.fold, candidate.cost);
+    s->ways++;
+    if (!s->best.fold || candidate.cost < s->best.cost)
+        s->best = candidate;
+}
+
+static void enumerate(search *s) {
+    plan_work *w = s->w;
+    for (uint32_t i = 0; i < w->count; i++) {
+        plan_candidate *first = &w->candidates[i];
+        if (!folds(first) || !eligible(w, first))
+            continue;
+        if (first->role == PLAN_STREAM)
+            consider(s, (way){.fold = first});
+        for (uint32_t k = 0; first->role == PLAN_CAPTURE && k < w->count; k++) {
+            plan_candidate *second = &w->candidates[k];
+            way pair = {.capture = first, .fold = second};
+            if (second->role == PLAN_RESOLVE && eligible(w, second) &&
+                agree(first, second, &pair.layout))
+                consider(s, pair);
+        }
+    }
+}
+
+static strata_result fail_none(const search *s) {
+    base_text text = {0};
+    const plan_work *w = s->w;
+    for (uint32_t i = 0; i < w->count; i++) {
+        const plan_candidate *c = &w->candidates[i];
+        if (folds(c))
+            base_text_add(&text, "%s%s: %s", text.length ? "; " : "", c->note->id,
+                          c->reason[0] ? c->reason : "nothing fits to it");
+    }
+    strata_result result = base_fail(
+        w->err, STRATA_ERROR_UNSUPPORTED,
+        "the scene has transparent surfaces and no installed technique may fold them (%s)",
+        text.data ? text.data : "none is installed");
+    base_text_free(&text);
+    return result;
+}
+
+/* ---- reasons --------------------------------------------------------------------------------- */
+
+static void describe_choice(const search *s) {
+    const way *b = &s->best;
+    plan_candidate *first = b->capture ? b->capture : b->fold;
+    const strata_promises *p = b->fold->note->promises;
+    char cost[48], count[32];
+    int exact = p && p->order == STRATA_ORDER_EXACT &&
+                (!b->capture || (b->capture->note->promises &&
+                                 b->capture->note->promises->order == STRATA_ORDER_EXACT));
+    cost_text(s->w, b->cost, cost);
+    demand_number((uint64_t)s->w->in->stats->transparent_fragments, count);
+    for (plan_candidate *c = first; c; c = c == b->fold ? NULL : b->fold) {
+        const char *partner =
+            c == b->fold ? (b->capture ? b->capture->note->id : NULL) : b->fold->note->id;
+        if (c->named)
+            plan_reason(c, "named in --use");
+        else if (s->ways == 1)
+            plan_reason(c, "the only %sway to fold transparent fragments%s%s",
+                        exact ? "exact " : "", partner ? ", with " : "", partner ? partner : "");
+        else
+            plan_reason(c, "the cheapest %sway to fold about %s fragments%s%s: %s%s",
+                        exact ? "exact " : "", count, partner ? ", with " : "",
+                        partner ? partner : "", cost,
+                        s->w->in->stats->transparent_fragments > 0.0 ? " x floor" : "");
+    }
+}
+
+/* The named technique that takes the place of c, or NULL. */
+static const plan_candidate *named_instead(const search *s, const plan_candidate *c) {
+    if (s->named[c->role])
+        return s->named[c->role];
+    if (c->role != PLAN_STREAM)
+        return s->named[PLAN_STREAM];
+    return s->named[PLAN_CAPTURE] ? s->named[PLAN_CAPTURE] : s->named[PLAN_RESOLVE];
+}
+
+static void describe_others(const search *s) {
+    const way *b = &s->best;
+    char theirs[48], ours[48];
+    cost_text(s->w, b->cost, ours);
+    for (uint32_t i = 0; i < s->w->count; i++) {
+        plan_candidate *c = &s->w->candidates[i];
+        if (!folds(c) || c->reason[0])
+            continue;
+        const plan_candidate *named = named_instead(s, c);
+        cost_text(s->w, c->compared == PLAN_NO_COST ? HUGE_VAL : c->compared, theirs);
+        if (named)
+            plan_reason(c, "--use names %s", named->note->id);
+        else if (c->ways == 0)
+            plan_reason(c, "nothing that can run here shares its layout of fragments/1");
+        else
+            plan_reason(c, "costs %s against %s of %s%s%s", theirs, ours,
+                        b->capture ? b->capture->note->id : "", b->capture ? " + " : "",
+                        b->fold->note->id);
+    }
+}
+
+/* Notes the layout and the payload's precision, and sets the mode knob to what was agreed. */
+static strata_result settle(search *s) {
+    const way *b = &s->best;
+    plan *p = s->w->out;
+    p->transparent = 1;
+    p->captures = b->capture != NULL;
+    p->layout = b->layout;
+    const plan_candidate *holder = b->capture ? b->capture : b->fold;
+    int payload = plan_knob(holder->note, "payload");
+    p->payload.precision = payload >= 0 ? (uint32_t)holder->values[payload] : STRATA_PAYLOAD_FLOAT;
+    if (p->payload.precision > STRATA_PAYLOAD_UNORM8)
+        return base_fail(s->w->err, STRATA_ERROR_UNSUPPORTED,
+                         "%s.payload: this host knows float, half and unorm8 only",
+                         holder->note->id);
+    int mode = b->capture ? plan_knob(b->capture->note, "mode") : -1;
+    if (mode < 0 || b->capture->values[mode] == (double)b->layout)
+        return STRATA_OK;
+    b->capture->values[mode] = (double)b->layout;
+    size_t length = strlen(b->capture->reason);
+    snprintf(b->capture->reason + length, sizeof b->capture->reason - length,
+             "; mode %s, which %s reads", layouts[b->layout], b->fold->note->id);
+    return STRATA_OK;
+}
+
+static strata_result leave_out_all(plan_work *w) {
+    strata_result result = STRATA_OK;
+    const char *why =
+        w->out->active_effects ? "nothing transparent is drawn" : "no effect is active";
+    for (uint32_t i = 0; i < w->count && result == STRATA_OK; i++) {
+        plan_candidate *c = &w->candidates[i];
+        if (!folds(c) || c->blocked)
+            continue;
+        plan_reason(c, "%s", why);
+        if (c->named)
+            result = plan_warn(w, "--use %s: it does not run, for %s", c->note->id, why);
+    }
+    return result;
+}
+
+strata_result plan_choose_fold(plan_work *w) {
+    search s = {.w = w};
+    if (w->in->stats->transparent_draws == 0 || w->out->active_effects == 0)
+        return leave_out_all(w);
+    strata_result result = find_named(&s);
+    if (result != STRATA_OK)
+        return result;
+    enumerate(&s);
+    if (!s.best.fold)
+        return fail_none(&s);
+    s.best.fold->chosen = 1;
+    if (s.best.capture)
+        s.best.capture->chosen = 1;
+    describe_choice(&s);
+    describe_others(&s);
+    result = settle(&s);
+    for (plan_candidate *c = s.best.fold; c && result == STRATA_OK;
+         c = c == s.best.capture ? NULL : s.best.capture) {
+        const strata_promises *p = c->note->promises;
+        if (p && p->largest_depth > 0 && w->in->stats->largest_depth > (double)p->largest_depth)
+            result = plan_warn(w, "%s holds %u fragments a pixel, and about %.0f are expected",
+                               c->note->id, p->largest_depth, w->in->stats->largest_depth);
+    }
+    return result;
+}

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Making a plan, step by step: effects, candidates, settings, what may run, what is chosen, its
+ * order, the payload, and a reason for everything else. See plan.h.
+ */
+#include "plan/plan_internal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static strata_result no_memory(base_error *err) {
+    return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "no memory for a plan");
+}
+
+/* ---- output ---------------------------------------------------------------------------------- */
+
+/* Hands a chosen candidate's values over to the plan. */
+static void add_technique(plan *p, plan_candidate *c) {
+    plan_technique *t = &p->techniques[p->technique_count++];
+    *t = (plan_technique){
+        .technique = c->note,
+        .values = c->values,
+        .settings =
+            {
+                .struct_size = sizeof t->settings,
+                .count = c->note->knob_count,
+                .values = c->values,
+            },
+        .cost = c->cost,
+    };
+    memcpy(t->reason, c->reason, sizeof t->reason);
+    c->values = NULL;
+}
+
+static void add_left_out(plan *p, const plan_candidate *c) {
+    plan_left_out *l = &p->left_out[p->left_out_count++];
+    *l = (plan_left_out){.technique = c->note, .cost = c->compared};
+    memcpy(l->reason, c->reason, sizeof l->reason);
+}
+
+static strata_result write_out(plan_work *w) {
+    plan *p = w->out;
+    uint32_t count = 0;
+    uint32_t *order = base_calloc(w->count, sizeof *order);
+    p->techniques = base_calloc(w->count, sizeof *p->techniques);
+    p->left_out = base_calloc(w->count, sizeof *p->left_out);
+    strata_result result =
+        order && p->techniques && p->left_out ? plan_order(w, order, &count) : no_memory(w->err);
+    for (uint32_t i = 0; i < count && result == STRATA_OK; i++)
+        add_technique(p, &w->candidates[order[i]]);
+    for (uint32_t i = 0; i < w->count && result == STRATA_OK; i++)
+        if (!w->candidates[i].chosen)
+            add_left_out(p, &w->candidates[i]);
+    free(order);
+    return result;
+}
+
+static strata_result make_payload(plan_work *w) {
+    plan *p = w->out;
+    if (!p->transparent)
+        return STRATA_OK;
+    const modules_effect_note **active = base_calloc(p->active_effects, sizeof *active);
+    if (!active)
+        return no_memory(w->err);
+    p->transmittance_channels = 1;
+    for (uint32_t i = 0; i < p->effect_count; i++) {
+        const plan_effect *e = &p->effects[i];
+        if (!e->active)
+            continue;
+        active[e->index] = e->effect;
+        if (e->effect->transmittance_channels > p->transmittance_channels)
+            p->transmittance_channels = e->effect->transmittance_channels;
+    }
+    strata_result result =
+        plan_payload_make(active, p->active_effects, p->payload.precision, &p->payload, w->err);
+    free(active);
+    if (p->captures) /* (key, order), payload, and for linked records (next, pixel) */
+        p->bytes_per_fragment =
+            8u + p->payload.words * 4u + (p->layout == STRATA_FRAGMENTS_LINKED ? 8u : 0u);
+    return result;
+}
+
+/* ---- warnings -------------------------------------------------------------------------------- */
+
+/* Facts that show as transparency but that no installed effect answers. */
+static strata_result warn_unanswered(plan_work *w) {
+    static const char *const facts[] = {"materials.blend", "materials.transmission"};
+    strata_result result = STRATA_OK;
+    for (size_t f = 0; f < BASE_COUNT(facts) && result == STRATA_OK; f++) {
+        const demand_fact *fact = demand_find(&w->out->demand, facts[f]);
+        int answered = !fact || fact->value == 0;
+        for (uint32_t i = 0; i < w->out->effect_count && !answered; i++) {
+            const modules_effect_note *e = w->out->effects[i].effect;
+            for (uint32_t k = 0; k < e->need_count; k++)
+                answered |= strcmp(e->called_for_by[k]->fact, facts[f]) == 0;
+        }
+        if (!answered)
+            result = plan_warn(w, "no installed effect is called for by %s (%s)", facts[f],
+                               fact->evidence);
+    }
+    return result;
+}
+
+static strata_result warn_settings(plan_work *w) {
+    strata_result result = STRATA_OK;
+    for (uint32_t i = 0; i < w->count && result == STRATA_OK; i++) {
+        const plan_candidate *c = &w->candidates[i];
+        if (c->set_knobs && !c->chosen)
+            result = plan_warn(w, "--set %s: it does not run in this frame", c->note->id);
+    }
+    return result;
+}
+
+static strata_result warn_unchecked(plan_work *w) {
+    for (uint32_t i = 0; i < w->count && !w->in->fact; i++) {
+        const plan_candidate *c = &w->candidates[i];
+        if (c->chosen && c->note->needs && c->note->needs[0])
+            return plan_warn(w,
+                             "no device is known: whether it has what %s needs (%s) was not "
+                             "checked",
+                             c->note->id, c->note->needs[0]);
+    }
+    return STRATA_OK;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------- */
+
+static strata_result make(plan_work *w) {
+    strata_result (*const steps[])(plan_work *) = {
+        plan_collect,    plan_resolve_settings, plan_assess,    plan_choose, make_payload,
+        warn_unanswered, warn_settings,         warn_unchecked, write_out,
+    };
+    strata_result result = plan_decide_effects(w->in, w->out, w->err);
+    for (size_t i = 0; i < BASE_COUNT(steps) && result == STRATA_OK; i++)
+        result = steps[i](w);
+    return result;
+}
+
+strata_result plan_make(const plan_input *input, plan **out, base_error *err) {
+    *out = NULL;
+    plan *p = base_calloc(1, sizeof *p);
+    if (!p)
+        return no_memory(err);
+    p->stats = *input->stats;
+    p->demand = *input->demand;
+    plan_work w = {.in = input, .out = p, .err = err};
+    strata_result result = make(&w);
+    for (uint32_t i = 0; i < w.count; i++)
+        free(w.candidates[i].values);
+    free(w.candidates);
+    if (result != STRATA_OK) {
+        plan_free(p);
+        return result;
+    }
+    *out = p;
+    return STRATA_OK;
+}
+
+void plan_free(plan *p) {
+    if (!p)
+        return;
+    for (uint32_t i = 0; i < p->technique_count; i++)
+        free(p->techniques[i].values);
+    for (uint32_t i = 0; i < p->warning_count; i++)
+        free(p->warnings[i]);
+    free(p->warnings);
+    free(p->effects);
+    free(p->techniques);
+    free(p->left_out);
+    free(p);
+}
+
+const plan_technique *plan_find(const plan *p, const char *id) {
+    for (uint32_t i = 0; i < p->technique_count; i++)
+        if (strcmp(p->techniques[i].technique->id, id) == 0)
+            return &p->techniques[i];
+    return NULL;
+}
+
+double plan_floors(const plan *p, double cost) {
+    if (cost == PLAN_NO_COST || !(p->stats.transparent_fragments > 0.0))
+        return PLAN_NO_COST;
+    return cost / p->stats.transparent_fragments;
+}

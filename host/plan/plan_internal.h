@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the files of host/plan share: the state of a plan in the making.
+ *
+ *     names.c     lists of ids, suggestions       settings.c  ID.KNOB=VALUE
+ *     effects.c   which effects are active        order.c     slots -> order
+ *     assess.c    what each technique could do    choose.c    which of them run
+ *     fold.c      the one that folds
+ *     payload.c   layout of a record              json.c      the plan as JSON
+ */
+#ifndef STRATA_HOST_PLAN_INTERNAL_H
+#define STRATA_HOST_PLAN_INTERNAL_H
+
+#include "plan/plan.h"
+
+typedef enum plan_role { /* what a stage is to a frame; the order is that of the stages */
+                         PLAN_DRAWS,
+                         PLAN_SURFACE,
+                         PLAN_CLIP,
+                         PLAN_CAPTURE,
+                         PLAN_RESOLVE,
+                         PLAN_STREAM,
+                         PLAN_FILTER,
+                         PLAN_CERTIFICATE,
+                         PLAN_ROLES
+} plan_role;
+
+/* One installed technique while the plan is made. */
+typedef struct plan_candidate {
+    const modules_technique_note *note;
+    plan_role role; /* PLAN_ROLES: its stage is unknown */
+    int named;      /* in --use */
+    int blocked;    /* cannot run here; `reason` says why */
+    int chosen;
+    uint64_t set_knobs; /* bit i: knob i was set by the user */
+    double *values;
+    double cost;     /* alone, PLAN_NO_COST when unknown */
+    uint32_t ways;   /* to fold with it, of those open to the choice */
+    double compared; /* of the cheapest of them, PLAN_NO_COST when there is none or it is unknown */
+    char reason[256];
+} plan_candidate;
+
+typedef struct plan_work {
+    const plan_input *in;
+    plan *out;
+    plan_candidate *candidates; /* ordered by stage, then id */
+    uint32_t count;
+    base_error *err;
+} plan_work;
+
+/* ---- names.c */
+
+/* Calls `each` for every id of a comma-separated list, blanks around ids ignored; stops at its
+ * first failure. INVALID_ARGUMENT for an empty id; `option` names the list in messages. */
+strata_result plan_split(const char *list, const char *option,
+                         strata_result (*each)(void *user, const char *id), void *user,
+                         base_error *err);
+
+/* " (did you mean 'x'?)" for the nearest of `names`, "" when none is near. */
+void plan_suggest(const char *name, const char *const *names, uint32_t count, char *out,
+                  size_t size);
+
+/* "a, b, c", or "none". Shortened with "..." to fit. */
+void plan_join(const char *const *names, uint32_t count, char *out, size_t size);
+
+strata_result plan_unknown_technique(const plan_work *w, const char *option, const char *id);
+strata_result plan_unknown_effect(const plan *p, const char *option, const char *id,
+                                  base_error *err);
+
+/* A line for plan->warnings; one that is there already is not repeated. */
+strata_result plan_warn(plan_work *w, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* ---- effects.c */
+strata_result plan_decide_effects(const plan_input *in, plan *out, base_error *err);
+
+/* ---- settings.c */
+strata_result plan_resolve_settings(plan_work *w);                   /* presets, then the user's */
+int plan_knob(const modules_technique_note *note, const char *name); /* index or -1 */
+
+/* ---- assess.c */
+strata_result plan_collect(plan_work *w); /* candidates, with roles and costs */
+strata_result plan_assess(plan_work *w);  /* what is named, and what is blocked */
+plan_candidate *plan_candidate_find(const plan_work *w, const char *id);
+const strata_slot_use *plan_slot(const modules_technique_note *note, const char *slot,
+                                 uint32_t use); /* NULL: it has no such use; use 0 = any */
+int plan_host_fills(const char *slot);
+void plan_reason(plan_candidate *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* ---- choose.c */
+strata_result plan_choose(plan_work *w);
+
+/* ---- fold.c */
+strata_result plan_choose_fold(plan_work *w);
+
+/* ---- order.c */
+/* order: indices of the chosen candidates as they run. INVALID_ARGUMENT names a cycle. */
+strata_result plan_order(const plan_work *w, uint32_t *order, uint32_t *count);
+
+#endif
