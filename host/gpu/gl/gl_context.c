@@ -26,17 +26,17 @@ static int display_usable(EGLDisplay display) {
            text_has_word(extensions, "EGL_KHR_no_config_context");
 }
 
-uint32_t gl_displays(EGLDisplay displays[GL_MAX_DEVICES]) {
+uint32_t gl_displays(EGLDisplay displays[GPU_GL_MAX_DEVICES]) {
     uint32_t count = 0;
     const char *client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
     if (!client)
         return 0;
-    EGLDeviceEXT devices[GL_MAX_DEVICES];
+    EGLDeviceEXT devices[GPU_GL_MAX_DEVICES];
     EGLint device_count = 0;
     PFNEGLQUERYDEVICESEXTPROC query_devices =
         (PFNEGLQUERYDEVICESEXTPROC)eglGetProcAddress("eglQueryDevicesEXT");
     if (!text_has_word(client, "EGL_EXT_platform_device") || !query_devices ||
-        !query_devices((EGLint)GL_MAX_DEVICES, devices, &device_count))
+        !query_devices((EGLint)GPU_GL_MAX_DEVICES, devices, &device_count))
         device_count = 0;
     for (EGLint i = 0; i < device_count; i++) {
         EGLDisplay display = eglGetPlatformDisplay(EGL_PLATFORM_DEVICE_EXT, devices[i], NULL);
@@ -126,10 +126,10 @@ static int functions_load(gl_functions *fn, int core_46) {
         int arb;
     } list[] = {
 #define X(suffix, name) {"gl" #name, offsetof(gl_functions, name), 0},
-        GL_FUNCTIONS(X)
+        GPU_GL_FUNCTIONS(X)
 #undef X
 #define X(suffix, name) {"gl" #name, offsetof(gl_functions, name), 1},
-            GL_FUNCTIONS_ARB(X)
+            GPU_GL_FUNCTIONS_ARB(X)
 #undef X
     };
     for (size_t i = 0; i < BASE_COUNT(list); i++) {

@@ -168,7 +168,7 @@ static void gl_close(void *self) {
 
 static strata_result gl_open(const gpu_open_info *info, void **self, gpu_backend_caps *caps,
                              base_error *err) {
-    EGLDisplay displays[GL_MAX_DEVICES];
+    EGLDisplay displays[GPU_GL_MAX_DEVICES];
     uint32_t count = gl_displays(displays), index = 0;
     base_error first = {0};
     gl *g = base_calloc(1, sizeof *g);
@@ -205,7 +205,7 @@ static strata_result gl_open(const gpu_open_info *info, void **self, gpu_backend
 
 static void gl_enumerate(void (*found)(void *user, const gpu_device_info *info, uint32_t index),
                          void *user) {
-    EGLDisplay displays[GL_MAX_DEVICES];
+    EGLDisplay displays[GPU_GL_MAX_DEVICES];
     uint32_t count = gl_displays(displays), index = 0;
     for (uint32_t i = 0; i < count; i++) {
         gl probe = {0};

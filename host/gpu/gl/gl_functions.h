@@ -9,7 +9,7 @@
 
 #include <GL/glcorearb.h>
 
-#define GL_FUNCTIONS(X)                                                                            \
+#define GPU_GL_FUNCTIONS(X)                                                                        \
     X(ATTACHSHADER, AttachShader)                                                                  \
     X(BEGINQUERY, BeginQuery)                                                                      \
     X(BINDBUFFER, BindBuffer)                                                                      \
@@ -104,14 +104,14 @@
     X(VIEWPORT, Viewport)
 
 /* GL_ARB_gl_spirv, GL_ARB_indirect_parameters */
-#define GL_FUNCTIONS_ARB(X)                                                                        \
+#define GPU_GL_FUNCTIONS_ARB(X)                                                                    \
     X(SPECIALIZESHADER, SpecializeShader)                                                          \
     X(MULTIDRAWELEMENTSINDIRECTCOUNT, MultiDrawElementsIndirectCount)
 
 typedef struct gl_functions {
 #define X(suffix, name) PFNGL##suffix##PROC name;
-    GL_FUNCTIONS(X)
-    GL_FUNCTIONS_ARB(X)
+    GPU_GL_FUNCTIONS(X)
+    GPU_GL_FUNCTIONS_ARB(X)
 #undef X
 } gl_functions;
 

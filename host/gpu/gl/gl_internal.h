@@ -16,8 +16,8 @@
 #include "gpu/backend.h"
 #include "gpu/gl/gl_functions.h"
 
-#define GL_MAX_COLORS  8u
-#define GL_MAX_DEVICES 32u
+#define GPU_GL_MAX_COLORS  8u
+#define GPU_GL_MAX_DEVICES 32u
 
 typedef struct gl_format {
     GLenum internal, format, type; /* storage; pixel transfer of the host's texels */
@@ -45,7 +45,7 @@ typedef struct gl_program {
 /* A framebuffer object and the attachments that it was made for. */
 typedef struct gl_target {
     GLuint name;
-    const gl_image *color[GL_MAX_COLORS], *depth;
+    const gl_image *color[GPU_GL_MAX_COLORS], *depth;
 } gl_target;
 
 /* What the embedding program had current. */
@@ -57,7 +57,11 @@ typedef struct gl_saved {
 } gl_saved;
 
 /* Whether the driver's timer queries agree with the monotonic clock. */
-typedef enum gl_timer_trust { GL_TIMER_UNTESTED, GL_TIMER_SOUND, GL_TIMER_UNSOUND } gl_timer_trust;
+typedef enum gl_timer_trust {
+    GPU_GL_TIMER_UNTESTED,
+    GPU_GL_TIMER_SOUND,
+    GPU_GL_TIMER_UNSOUND
+} gl_timer_trust;
 
 typedef struct gl_sample { /* one measured pass of the submission */
     uint32_t timed;        /* gpu_native_pass.timed */
@@ -99,7 +103,7 @@ typedef struct gl {
 /* gl_context.c: displays, the context, and its being current. */
 
 /* Displays that an instance could live on, in order of preference; returns how many. */
-uint32_t gl_displays(EGLDisplay displays[GL_MAX_DEVICES]);
+uint32_t gl_displays(EGLDisplay displays[GPU_GL_MAX_DEVICES]);
 /* Makes the context on `display` and loads the functions. On success the caller is inside gl_enter.
  */
 strata_result gl_context_create(gl *g, EGLDisplay display, base_error *err);

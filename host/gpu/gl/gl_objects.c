@@ -77,8 +77,11 @@ void gl_buffer_destroy(void *self, void *native) {
 /* ---- images -----------------------------------------------------------------------------------
  */
 void gl_clear_texel(const gl_format *format, const float value[4], uint32_t texel[4]) {
-    for (uint32_t i = 0; i < 4; i++)
-        texel[i] = value[i] > 0 ? (uint32_t)(value[i] < 4294967040.f ? value[i] : 4294967040.f) : 0;
+    for (uint32_t i = 0; i < 4; i++) {
+        texel[i] = value[i] > 0 && value[i] < 4294967296.f ? (uint32_t)value[i] : 0;
+        if (value[i] >= 4294967296.f)
+            texel[i] = UINT32_MAX;
+    }
     if (format->depth)
         memcpy(texel, value, sizeof *texel);
     else if (!format->integer)

@@ -119,7 +119,7 @@ static const blend_state blends[] = {
     [STRATA_BLEND_MULTIPLY] = {GL_FUNC_ADD, GL_DST_COLOR, GL_ZERO, GL_DST_ALPHA, GL_ZERO},
     [STRATA_BLEND_MIN] = {GL_MIN, GL_ONE, GL_ONE, GL_ONE, GL_ONE},
     [STRATA_BLEND_MAX] = {GL_MAX, GL_ONE, GL_ONE, GL_ONE, GL_ONE},
-    [STRATA_BLEND_FOLD] = {GL_FUNC_ADD, GL_ONE, GL_SRC_ALPHA, GL_ZERO, GL_SRC_ALPHA},
+    [STRATA_BLEND_FOLD] = {GL_FUNC_ADD, GL_ONE, GL_SRC_ALPHA, GL_DST_ALPHA, GL_ZERO},
 };
 
 static GLenum test_function(uint32_t test) { /* STRATA_TEST_NEVER.. are OpenGL's in order */

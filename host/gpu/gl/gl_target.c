@@ -9,7 +9,7 @@
 #include <string.h>
 
 static int target_fits(const gl_target *target, const gpu_native_pass *pass) {
-    for (uint32_t i = 0; i < GL_MAX_COLORS; i++) {
+    for (uint32_t i = 0; i < GPU_GL_MAX_COLORS; i++) {
         const void *wanted = i < pass->pass->color_count ? pass->color[i] : NULL;
         if ((const void *)target->color[i] != wanted)
             return 0;
@@ -26,14 +26,14 @@ static void target_attach(gl *g, GLuint name, GLenum point, const gl_image *imag
 }
 
 static GLuint target_build(gl *g, const gl_target *target) {
-    GLenum buffers[GL_MAX_COLORS];
+    GLenum buffers[GPU_GL_MAX_COLORS];
     GLuint name = 0;
     GLsizei count = 0;
     int layered = !target->depth || target->depth->layers;
-    for (uint32_t i = 0; i < GL_MAX_COLORS; i++)
+    for (uint32_t i = 0; i < GPU_GL_MAX_COLORS; i++)
         layered = layered && (!target->color[i] || target->color[i]->layers);
     g->fn.CreateFramebuffers(1, &name);
-    for (uint32_t i = 0; i < GL_MAX_COLORS; i++) {
+    for (uint32_t i = 0; i < GPU_GL_MAX_COLORS; i++) {
         buffers[i] = GL_NONE;
         if (target->color[i]) {
             buffers[i] = GL_COLOR_ATTACHMENT0 + i;
@@ -99,7 +99,7 @@ void gl_targets_forget(gl *g, const gl_image *image) {
     for (size_t i = 0; i < g->target_count; i++) {
         const gl_target *target = &g->targets[i];
         int gone = !image || target->depth == image;
-        for (uint32_t k = 0; k < GL_MAX_COLORS; k++)
+        for (uint32_t k = 0; k < GPU_GL_MAX_COLORS; k++)
             gone = gone || target->color[k] == image;
         if (gone)
             g->fn.DeleteFramebuffers(1, &target->name);

@@ -66,7 +66,7 @@ static gl_timer_trust timer_test(gl *g) {
     void *image = NULL;
     GLuint program = heavy_program(g), query = 0;
     double clock = 0, queried = 0;
-    gl_timer_trust trust = GL_TIMER_UNSOUND;
+    gl_timer_trust trust = GPU_GL_TIMER_UNSOUND;
     if (!program || gl_image_create(g, &desc, &image, NULL) != STRATA_OK)
         goto cleanup;
     strata_pass pass = {.struct_size = sizeof pass, .label = desc.label, .color_count = 1};
@@ -93,9 +93,9 @@ static gl_timer_trust timer_test(gl *g) {
            agreed++ < HEAVY_REPEATS)
         clock = heavy_measure(g, query, count, &queried);
     if (agreed > HEAVY_REPEATS)
-        trust = GL_TIMER_SOUND;
+        trust = GPU_GL_TIMER_SOUND;
     base_log(BASE_LOG_DEBUG, "gl: timer query %.2f ms where the clock saw %.2f: %s", queried, clock,
-             trust == GL_TIMER_SOUND ? "used" : "not used");
+             trust == GPU_GL_TIMER_SOUND ? "used" : "not used");
 cleanup:
     g->fn.UseProgram(0);
     g->fn.DeleteQueries(query ? 1 : 0, &query);
@@ -120,7 +120,7 @@ void gl_timer_begin(gl *g, uint32_t timed) {
     g->timing = 0;
     if (!timed)
         return;
-    if (g->timer == GL_TIMER_UNTESTED)
+    if (g->timer == GPU_GL_TIMER_UNTESTED)
         g->timer = timer_test(g);
     gl_sample *samples =
         base_grow(g->samples, &g->sample_capacity, g->sample_count, sizeof *samples);
@@ -130,7 +130,7 @@ void gl_timer_begin(gl *g, uint32_t timed) {
     gl_sample *sample = &samples[g->sample_count++];
     *sample = (gl_sample){.timed = timed};
     g->timing = 1;
-    if (g->timer == GL_TIMER_SOUND)
+    if (g->timer == GPU_GL_TIMER_SOUND)
         sample->query = query_next(g);
     if (sample->query) {
         g->fn.BeginQuery(GL_TIME_ELAPSED, sample->query);
