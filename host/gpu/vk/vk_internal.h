@@ -100,7 +100,7 @@ typedef struct vk {
     PFN_vkCmdEndDebugUtilsLabelEXT end_label;
     PFN_vkSetDebugUtilsObjectNameEXT set_name;
     pthread_mutex_t message_lock;
-    char message[400]; /* the validation's first complaint since the last report */
+    char message[480]; /* the validation's first complaint since the last report */
 
     VkFence fence;
     VkCommandPool frame_pool, once_pool;

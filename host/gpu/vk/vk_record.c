@@ -207,7 +207,7 @@ static VkRenderingAttachmentInfo attachment(const vk_image *image, uint32_t load
                                        .storeOp = VK_ATTACHMENT_STORE_OP_STORE};
 }
 
-/* The render area is the scissor: a band clears and keeps its own rectangle only. */
+/* Loads and clears cover the whole target, whatever the scissor. */
 static void begin_rendering(VkCommandBuffer commands, const gpu_native_pass *pass) {
     const strata_pass *p = pass->pass;
     VkRenderingAttachmentInfo colors[GPU_VK_MAX_COLORS], depth;
@@ -229,8 +229,7 @@ static void begin_rendering(VkCommandBuffer commands, const gpu_native_pass *pas
     }
     const VkRenderingInfo info = {
         .sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
-        .renderArea = {{(int32_t)pass->scissor[0], (int32_t)pass->scissor[1]},
-                       {pass->scissor[2], pass->scissor[3]}},
+        .renderArea = {{0, 0}, {pass->width, pass->height}},
         .layerCount = layers == UINT32_MAX ? 1 : layers,
         .colorAttachmentCount = p->color_count,
         .pColorAttachments = colors,
@@ -265,7 +264,7 @@ static void draw_scene(vk *v, VkCommandBuffer commands, const gpu_native_pass *p
 static void draw(vk *v, VkCommandBuffer commands, const gpu_native_pass *pass) {
     begin_rendering(commands, pass);
     set_state(commands, pass);
-    if (((const vk_program *)pass->program)->kind == STRATA_PROGRAM_SCENE)
+    if (pass->commands)
         draw_scene(v, commands, pass);
     else
         vkCmdDraw(commands, 3, 1, 0, 0);
@@ -310,7 +309,7 @@ void vk_pass(void *self, const gpu_native_pass *pass) {
         stamp(v, commands, 2 * v->timed_count);
     if (compute)
         dispatch(commands, pass);
-    else if (pass->scissor[2] && pass->scissor[3])
+    else
         draw(v, commands, pass);
     if (timed) {
         stamp(v, commands, 2 * v->timed_count + 1);
