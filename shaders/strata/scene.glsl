@@ -4,7 +4,7 @@
 // flags. Written by host/scene/upload*.c, whose structs mirror these. Parts that a scene does not
 // have are not declared: the host defines STRATA_HAS_* for those that it has,
 //   LIT            a material that is shaded         TEXTURES       a material with a texture
-//   SRGB, LINEAR   colour, data pages of the atlas   UV1            a second texture coordinate
+//   SRGB, LINEAR   colour, data pages of the atlas   UV0, UV1       texture coordinates
 //   COLORS         vertex colours                    TANGENTS       vertex tangents
 //   POINTS         splats                            RADII          splats with a radius of their own
 //   MASK           alpha-tested materials            BLEND          materials with coverage below 1

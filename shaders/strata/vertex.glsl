@@ -21,7 +21,9 @@ layout(location = 4) out vec4 strata_out_tangent;
 #endif
 #endif
 #ifdef STRATA_HAS_TEXTURES
+#ifdef STRATA_HAS_UV0
 layout(std430) readonly buffer StrataUv0 { vec2 strata_uv0[]; };
+#endif
 #ifdef STRATA_HAS_UV1
 layout(std430) readonly buffer StrataUv1 { vec2 strata_uv1[]; };
 #endif
@@ -145,8 +147,10 @@ void main() {
 #endif
 #ifdef STRATA_HAS_TEXTURES
     strata_out_uv = vec4(0.0);
+#ifdef STRATA_HAS_UV0
     if ((record.flags & STRATA_RECORD_UV0) != 0u)
         strata_out_uv.xy = strata_uv0[record.uv0 + vertex];
+#endif
 #ifdef STRATA_HAS_UV1
     if ((record.flags & STRATA_RECORD_UV1) != 0u)
         strata_out_uv.zw = strata_uv1[record.uv1 + vertex];

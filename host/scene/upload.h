@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The GPU copy of a scene, owner "scene": vertex streams, indices, records, materials, textures,
+ * lights, and the commands of the two draw lists. Made through gpu.h and handed to shaders as the
+ * global Strata* blocks of shaders/strata; nothing is allocated for what a scene does not have.
+ * Units and numbers are those of scene.h.
+ */
+#ifndef STRATA_HOST_UPLOAD_H
+#define STRATA_HOST_UPLOAD_H
+
+#include "gpu/gpu.h"
+#include "scene/camera.h"
+#include "scene/scene.h"
+
+typedef struct upload upload;
+
+typedef struct upload_counts {
+    uint32_t lights, materials, records, textures;    /* strata_counts of the frame block */
+    uint32_t opaque_draws, transparent_draws;         /* commands of each list */
+    uint64_t opaque_triangles, transparent_triangles; /* visible; a splat counts as two */
+} upload_counts;
+
+/* Copies the scene, sets the globals and the STRATA_HAS_* defines: programs are to be created after
+ * this, and again after another scene was uploaded. One upload lives at a time on a device.
+ * shuffle_seed other than 0 permutes the draws, and the triangles within each mesh, as submitted;
+ * StrataPrimitiveMap maps them back, so that images do not change. A stream that exceeds the
+ * device's storage range is refused by name (OVERFLOW). The scene is not kept, but upload_update
+ * wants the same one. */
+strata_result upload_create(gpu *g, const scene *s, uint32_t shuffle_seed, upload **out,
+                            base_error *err);
+
+/* Follows the scene's edits: moved and hidden instances, deformed meshes, moved lights. Draw lists
+ * whose number of commands changes get new handles. Outside recording. */
+strata_result upload_update(upload *u, const scene *s, base_error *err);
+
+/* When the scene has no lights of its own, one directional key light shines over the viewer's left
+ * shoulder; this puts it where it belongs for the camera's first frame. It does not follow later
+ * turns. No effect on scenes with lights and on unlit ones. Outside recording. */
+strata_result upload_set_key_light(upload *u, const scene_view *first, base_error *err);
+
+/* The ambient light that goes with it, for strata_ambient: radiance as spherical harmonics of order
+ * 2 (degree, order: 00, 1-1, 10, 11, 2-2, 2-1, 20, 21, 22), a soft sky that is brighter above. */
+void upload_ambient(float ambient[9][4]);
+
+/* "draws.opaque/1": OPAQUE and MASK materials without transmission; "draws.transparent/1": the
+ * others; each in scene order. An empty list is a handle that draws nothing, made when first asked
+ * for. The zero handle for other slots and when memory ran out. Valid until the next update. */
+strata_draws upload_draws(upload *u, const char *slot);
+
+upload_counts upload_count(const upload *u);
+uint64_t upload_bytes(const upload *u); /* device memory */
+
+void upload_free(upload *u); /* NULL is fine; takes globals and defines back */
+
+#endif
