@@ -14,8 +14,7 @@
 #define VALIDATION_LAYER "VK_LAYER_KHRONOS_validation"
 #define MAX_DEVICES      16u
 
-/* ---- validation -------------------------------------------------------------------------------
- */
+/* ---- validation ------------------------------------------------------------------------- */
 
 /* May run on any thread that calls Vulkan, the driver's own among them. */
 static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
@@ -63,8 +62,7 @@ static strata_result listen(vk *v, base_error *err) {
     return vk_fail(v, create(v->instance, &info, NULL, &v->messenger), err, "messenger");
 }
 
-/* ---- the instance -----------------------------------------------------------------------------
- */
+/* ---- the instance ----------------------------------------------------------------------- */
 
 static VkResult instance_create(int check, VkInstance *out) {
     const VkValidationFeatureEnableEXT enables[] = {
@@ -102,8 +100,7 @@ strata_result vk_instance_create(vk *v, base_error *err) {
     return v->check ? listen(v, err) : STRATA_OK;
 }
 
-/* ---- physical devices -------------------------------------------------------------------------
- */
+/* ---- physical devices ------------------------------------------------------------------- */
 
 void vk_driver_text(VkPhysicalDevice physical, char *text, size_t size) {
     VkPhysicalDeviceDriverProperties driver = {

@@ -18,8 +18,7 @@
 #define GPU_VK_MAX_TIMED    1024u /* measured passes of one submission; later ones stay unmeasured */
 #define GPU_VK_MAX_COLORS   8u
 
-/* ---- memory: vk_memory.c ----------------------------------------------------------------------
- */
+/* ---- memory: vk_memory.c ---------------------------------------------------------------- */
 typedef struct vk_block vk_block; /* one vkAllocateMemory that small objects share */
 
 typedef struct vk_memory {
@@ -54,8 +53,7 @@ typedef struct vk_image {
     uint32_t width, height, layers; /* layers >= 1 */
 } vk_image;
 
-/* ---- programs: vk_program.c -------------------------------------------------------------------
- */
+/* ---- programs: vk_program.c ------------------------------------------------------------- */
 
 /* What of a pass is baked into a graphics pipeline; the rest is dynamic state. No padding, compared
  * as bytes. */
@@ -81,8 +79,7 @@ typedef struct vk_program {
     size_t pipeline_count, pipeline_capacity;
 } vk_program;
 
-/* ---- the device: vk_device.c ------------------------------------------------------------------
- */
+/* ---- the device: vk_device.c ------------------------------------------------------------ */
 typedef struct vk {
     VkInstance instance;
     VkPhysicalDevice physical;

@@ -22,8 +22,7 @@ struct vk_block {
     uint32_t slots, type, image;
 };
 
-/* ---- memory types -----------------------------------------------------------------------------
- */
+/* ---- memory types ----------------------------------------------------------------------- */
 
 #define DEVICE  VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT
 #define VISIBLE (VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT)
@@ -54,8 +53,7 @@ static uint32_t choose_type(const vk *v, uint32_t bits, vk_memory_use use) {
     return type;
 }
 
-/* ---- allocations ------------------------------------------------------------------------------
- */
+/* ---- allocations ------------------------------------------------------------------------ */
 
 static strata_result allocate(vk *v, VkDeviceSize size, uint32_t type, VkDeviceMemory *memory,
                               unsigned char **map, base_error *err) {
@@ -158,8 +156,7 @@ void vk_memory_free(vk *v, vk_memory *memory) {
     *memory = (vk_memory){0};
 }
 
-/* ---- buffers ----------------------------------------------------------------------------------
- */
+/* ---- buffers ---------------------------------------------------------------------------- */
 
 strata_result vk_buffer_init(vk *v, VkDeviceSize size, vk_memory_use use, vk_buffer *out,
                              base_error *err) {

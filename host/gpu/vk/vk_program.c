@@ -11,8 +11,7 @@
 
 #include "gpu/vk/vk_internal.h"
 
-/* ---- creation ---------------------------------------------------------------------------------
- */
+/* ---- creation --------------------------------------------------------------------------- */
 
 VkDescriptorType vk_descriptor_type(gpu_binding_kind kind) {
     switch (kind) {
@@ -161,8 +160,7 @@ void vk_program_destroy(void *self, void *native) {
     free(program);
 }
 
-/* ---- graphics pipelines -----------------------------------------------------------------------
- */
+/* ---- graphics pipelines ----------------------------------------------------------------- */
 
 #define EQUATION(source, destination, operation, source_alpha, destination_alpha)                  \
     {                                                                                              \

@@ -4,8 +4,7 @@
  */
 #include "gpu/vk/vk_internal.h"
 
-/* ---- barriers ---------------------------------------------------------------------------------
- */
+/* ---- barriers --------------------------------------------------------------------------- */
 
 typedef struct vk_scope {
     VkPipelineStageFlags2 stages;
@@ -79,8 +78,7 @@ static void record_barriers(VkCommandBuffer commands, const gpu_barrier *barrier
         vkCmdPipelineBarrier2(commands, &dependency);
 }
 
-/* ---- what a pass binds ------------------------------------------------------------------------
- */
+/* ---- what a pass binds ------------------------------------------------------------------ */
 
 static strata_result bind_resources(vk *v, const vk_program *program, const gpu_native_pass *pass,
                                     VkDescriptorSet *out, base_error *err) {
@@ -142,8 +140,7 @@ static strata_result bind_program(vk *v, VkCommandBuffer commands, const gpu_nat
     return STRATA_OK;
 }
 
-/* ---- drawing ----------------------------------------------------------------------------------
- */
+/* ---- drawing ---------------------------------------------------------------------------- */
 
 static VkCompareOp compare_op(uint32_t test) {
     static const VkCompareOp ops[] = {
@@ -227,14 +224,13 @@ static void begin_rendering(VkCommandBuffer commands, const gpu_native_pass *pas
         stencil = (image->aspects & VK_IMAGE_ASPECT_STENCIL_BIT) != 0;
         layers = image->layers < layers ? image->layers : layers;
     }
-    const VkRenderingInfo info = {
-        .sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
-        .renderArea = {{0, 0}, {pass->width, pass->height}},
-        .layerCount = layers == UINT32_MAX ? 1 : layers,
-        .colorAttachmentCount = p->color_count,
-        .pColorAttachments = colors,
-        .pDepthAttachment = pass->depth ? &depth : NULL,
-        .pStencilAttachment = stencil ? &depth : NULL};
+    const VkRenderingInfo info = {.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+                                  .renderArea = {{0, 0}, {pass->width, pass->height}},
+                                  .layerCount = layers == UINT32_MAX ? 1 : layers,
+                                  .colorAttachmentCount = p->color_count,
+                                  .pColorAttachments = colors,
+                                  .pDepthAttachment = pass->depth ? &depth : NULL,
+                                  .pStencilAttachment = stencil ? &depth : NULL};
     vkCmdBeginRendering(commands, &info);
 }
 
@@ -280,8 +276,7 @@ static void dispatch(VkCommandBuffer commands, const gpu_native_pass *pass) {
         vkCmdDispatch(commands, groups[0], groups[1] ? groups[1] : 1, groups[2] ? groups[2] : 1);
 }
 
-/* ---- recording --------------------------------------------------------------------------------
- */
+/* ---- recording -------------------------------------------------------------------------- */
 
 /* A timestamp between barriers. Without the one before, drivers write it while earlier work still
  * runs; without the one after, they have been seen to write it late, inside the work it precedes.

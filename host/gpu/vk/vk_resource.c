@@ -8,8 +8,7 @@
 
 #include "gpu/vk/vk_internal.h"
 
-/* ---- buffers ----------------------------------------------------------------------------------
- */
+/* ---- buffers ---------------------------------------------------------------------------- */
 
 static strata_result fill_new(vk *v, vk_buffer *buffer, const void *data, base_error *err) {
     if (data)
@@ -59,8 +58,7 @@ void vk_buffer_destroy(void *self, void *native) {
     free(buffer);
 }
 
-/* ---- images -----------------------------------------------------------------------------------
- */
+/* ---- images ----------------------------------------------------------------------------- */
 
 typedef struct vk_format {
     VkFormat format;

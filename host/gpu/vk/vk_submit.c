@@ -10,8 +10,7 @@
 
 #define SETS_PER_POOL 256u
 
-/* ---- one submission ---------------------------------------------------------------------------
- */
+/* ---- one submission --------------------------------------------------------------------- */
 
 static void memory_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 stage,
                            VkAccessFlags2 access) {
@@ -70,8 +69,7 @@ strata_result vk_once_run(vk *v, base_error *err) {
     return result;
 }
 
-/* ---- descriptors ------------------------------------------------------------------------------
- */
+/* ---- descriptors ------------------------------------------------------------------------ */
 
 static VkResult grow_descriptors(vk *v) {
     const VkDescriptorPoolSize sizes[] = {
@@ -120,8 +118,7 @@ VkDescriptorSet vk_descriptor_set(vk *v, const vk_program *program, base_error *
     return VK_NULL_HANDLE;
 }
 
-/* ---- the frame --------------------------------------------------------------------------------
- */
+/* ---- the frame -------------------------------------------------------------------------- */
 
 /* Forgets what was recorded; its descriptors and queries are free again. */
 static void forget(vk *v) {

@@ -15,8 +15,7 @@ static strata_result need_staging(vk *v, base_error *err) {
     return vk_buffer_init(v, STAGING_SIZE, GPU_VK_STAGING, &v->staging, err);
 }
 
-/* ---- buffers ----------------------------------------------------------------------------------
- */
+/* ---- buffers ---------------------------------------------------------------------------- */
 
 static strata_result copy_buffer(vk *v, VkBuffer from, uint64_t from_offset, VkBuffer to,
                                  uint64_t to_offset, uint64_t size, base_error *err) {
@@ -78,8 +77,7 @@ strata_result vk_buffer_write(void *self, void *native, uint64_t offset, uint64_
     return vk_report(v, result, err);
 }
 
-/* ---- images -----------------------------------------------------------------------------------
- */
+/* ---- images ----------------------------------------------------------------------------- */
 
 typedef struct vk_rectangle {
     uint32_t layer, x, y, width, height;
