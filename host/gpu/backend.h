@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The table that a backend fills: gl/, vk/ and null/ stand behind it. Everything that arrives here is
- * validated, handles are resolved to native objects, barriers are derived. The enumerations are those
- * of strata/gpu.h, so that backend and public interface cannot drift apart.
+ * The table that a backend fills: gl/, vk/ and null/ stand behind it. Everything that arrives here
+ * is validated, handles are resolved to native objects, barriers are derived. The enumerations are
+ * those of strata/gpu.h, so that backend and public interface cannot drift apart.
  */
 #ifndef STRATA_HOST_GPU_BACKEND_H
 #define STRATA_HOST_GPU_BACKEND_H
@@ -10,22 +10,22 @@
 #include "gpu/gpu.h"
 
 /* How a resource is touched; the union of these is what a barrier waits for or makes visible. */
-#define GPU_ACCESS_INDIRECT 1u
-#define GPU_ACCESS_INDEX 2u
-#define GPU_ACCESS_UNIFORM 4u
-#define GPU_ACCESS_SAMPLED 8u
-#define GPU_ACCESS_STORAGE_READ 16u
+#define GPU_ACCESS_INDIRECT      1u
+#define GPU_ACCESS_INDEX         2u
+#define GPU_ACCESS_UNIFORM       4u
+#define GPU_ACCESS_SAMPLED       8u
+#define GPU_ACCESS_STORAGE_READ  16u
 #define GPU_ACCESS_STORAGE_WRITE 32u
-#define GPU_ACCESS_COLOR 64u  /* attachment, read by blending and written */
-#define GPU_ACCESS_DEPTH 128u /* attachment, tested and written */
-#define GPU_ACCESS_COPY_READ 256u
-#define GPU_ACCESS_COPY_WRITE 512u
+#define GPU_ACCESS_COLOR         64u  /* attachment, read by blending and written */
+#define GPU_ACCESS_DEPTH         128u /* attachment, tested and written */
+#define GPU_ACCESS_COPY_READ     256u
+#define GPU_ACCESS_COPY_WRITE    512u
 #define GPU_ACCESS_WRITES                                                                          \
     (GPU_ACCESS_STORAGE_WRITE | GPU_ACCESS_COLOR | GPU_ACCESS_DEPTH | GPU_ACCESS_COPY_WRITE)
 
-#define GPU_STAGE_VERTEX 1u
+#define GPU_STAGE_VERTEX   1u
 #define GPU_STAGE_FRAGMENT 2u
-#define GPU_STAGE_COMPUTE 4u
+#define GPU_STAGE_COMPUTE  4u
 
 typedef struct gpu_barrier { /* memory dependency on one object, before the coming command */
     void *native;
@@ -37,23 +37,26 @@ typedef struct gpu_barrier { /* memory dependency on one object, before the comi
 typedef enum gpu_binding_kind {
     GPU_BINDING_UNIFORM,
     GPU_BINDING_STORAGE,
-    GPU_BINDING_SAMPLED,      /* combined image sampler: nearest, clamp to edge; texelFetch mostly */
+    GPU_BINDING_SAMPLED, /* combined image sampler: nearest, clamp to edge; texelFetch mostly */
     GPU_BINDING_STORAGE_IMAGE,
-    GPU_BINDING_PARAMS        /* Vulkan: push constants; GL: a uniform buffer */
+    GPU_BINDING_PARAMS /* Vulkan: push constants; GL: a uniform buffer */
 } gpu_binding_kind;
 
-typedef struct gpu_binding { /* reflected from SPIR-V; `binding` is unique within its kind (GL) or set 0 (Vulkan) */
+typedef struct gpu_binding { /* reflected from SPIR-V; `binding` is unique within its kind (GL) or
+                                set 0 (Vulkan) */
     char name[64];
     gpu_binding_kind kind;
     uint32_t binding;
     uint32_t stages; /* GPU_STAGE_* */
     uint32_t access; /* GPU_ACCESS_* that its qualifiers allow */
-    uint32_t size;   /* of a params block */
+    uint32_t size;   /* of a params or uniform block, bytes; else 0 */
+    uint32_t format; /* of a storage image: STRATA_FORMAT_*, 0 when the shader names none */
+    uint32_t arrayed, is_unsigned; /* images: 2D array; uimage or usampler */
 } gpu_binding;
 
 typedef struct gpu_program_info {
     const char *label;
-    uint32_t kind; /* STRATA_PROGRAM_* */
+    uint32_t kind;            /* STRATA_PROGRAM_* */
     const uint32_t *spirv[2]; /* compute: [0]; else vertex, fragment */
     size_t words[2];
     const gpu_binding *bindings; /* lives as long as the program */
@@ -76,8 +79,8 @@ typedef struct gpu_native_pass {
     uint32_t barrier_count;
     void *color[8]; /* native images of pass->color */
     void *depth;
-    uint32_t width, height;    /* of the target */
-    uint32_t scissor[4];       /* x, y, width, height */
+    uint32_t width, height; /* of the target */
+    uint32_t scissor[4]; /* x, y, width, height; may be empty. Loads clear the whole attachment */
     void *commands, *count, *indices; /* draws; count may be NULL */
     uint32_t draw_capacity;
     void *indirect; /* dispatch */
@@ -93,8 +96,9 @@ typedef struct gpu_backend_caps {
     uint32_t vulkan_target; /* 1: wants SPIR-V for Vulkan; 0: SPIR-V for OpenGL */
 } gpu_backend_caps;
 
-/* Results are STRATA_OK, OUT_OF_DEVICE_MEMORY, OUT_OF_HOST_MEMORY, DEVICE_LOST, UNSUPPORTED, SHADER.
- * After DEVICE_LOST every call but destroy and close returns DEVICE_LOST or does nothing. */
+/* Results are STRATA_OK, OUT_OF_DEVICE_MEMORY, OUT_OF_HOST_MEMORY, DEVICE_LOST, UNSUPPORTED,
+ * SHADER. After DEVICE_LOST every call but destroy and close returns DEVICE_LOST or does nothing.
+ */
 typedef struct gpu_backend {
     const char *name;
     strata_result (*open)(const gpu_open_info *info, void **self, gpu_backend_caps *caps,
@@ -114,7 +118,7 @@ typedef struct gpu_backend {
                                     base_error *err);
     void (*program_destroy)(void *self, void *native);
 
-    /* Host access; the device is idle. */
+    /* Host access; the device is idle. D32F_S8 reads as a float and a uint32 (stencil) a texel. */
     strata_result (*buffer_read)(void *self, void *native, uint64_t offset, uint64_t size,
                                  void *data, base_error *err);
     strata_result (*buffer_write)(void *self, void *native, uint64_t offset, uint64_t size,

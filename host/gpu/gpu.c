@@ -95,12 +95,8 @@ strata_result gpu_take(gpu *g, base_error *err, const void *from, void *to, size
 /* ---- open and close ------------------------------------------------------------------------- */
 
 static const gpu_backend *const backends[] = {
-#ifdef STRATA_GPU_VULKAN
     &gpu_backend_vulkan,
-#endif
-#ifdef STRATA_GPU_GL
     &gpu_backend_gl,
-#endif
     &gpu_backend_null,
 };
 

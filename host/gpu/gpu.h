@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The device as the rest of the host sees it: handles, scopes, validation, derived barriers, run-time
- * GLSL and pass timings, written once in front of the backends (backend.h). Knows nothing about
- * scenes or techniques; `owner` is a technique's id, for messages and accounts.
+ * The device as the rest of the host sees it: handles, scopes, validation, derived barriers,
+ * run-time GLSL and pass timings, written once in front of the backends (backend.h). Knows nothing
+ * about scenes or techniques; `owner` is a technique's id, for messages and accounts.
  *
  * Errors: creation calls return a result and fill err. Recording calls return nothing; the first
  * failure sticks to the frame (gpu_frame_error), is worded with owner, pass and binding, and later
@@ -56,14 +56,16 @@ typedef enum gpu_code {
 } gpu_code;
 const char *gpu_code_text(gpu_code code);
 
-/* ---- device ----------------------------------------------------------------------------------- */
+/* ---- device -----------------------------------------------------------------------------------
+ */
 typedef struct gpu_open_info {
     const char *backend;   /* "vulkan", "gl", "null"; NULL = vulkan, else gl */
     const char *device;    /* index or a part of the name; NULL = first */
     const char *cache_dir; /* SPIR-V and self-test cache; NULL = none */
     int check;             /* driver validation; its messages fail the frame */
     int profile;           /* time each pass */
-    const char *inject;    /* "allocation:N": the N-th creation fails; "lost:N": the N-th submit; or NULL */
+    const char
+        *inject; /* "allocation:N": the N-th creation fails; "lost:N": the N-th submit; or NULL */
 } gpu_open_info;
 
 typedef struct gpu_device_info {
@@ -75,7 +77,8 @@ void gpu_close(gpu *g); /* NULL is fine; destroys what is left in any scope */
 void gpu_describe(const gpu *g, gpu_device_info *info);
 
 /* Calls back for each device of each backend that can be opened, without opening an instance. */
-void gpu_enumerate(void (*found)(void *user, const gpu_device_info *info, uint32_t index), void *user);
+void gpu_enumerate(void (*found)(void *user, const gpu_device_info *info, uint32_t index),
+                   void *user);
 
 /* Facts by string id; unknown = 0. Limits: limit.storage_range, limit.image_size, limit.groups,
  * limit.memory (bytes of device memory, 0 unknown), limit.subgroup (size). Features:
@@ -84,12 +87,14 @@ void gpu_enumerate(void (*found)(void *user, const gpu_device_info *info, uint32
  * first asked, cached per driver): selftest.timestamps, selftest.ordered_rmw. */
 uint64_t gpu_fact(gpu *g, const char *id);
 
-/* ---- scopes and objects ----------------------------------------------------------------------- */
+/* ---- scopes and objects -----------------------------------------------------------------------
+ */
 gpu_scope *gpu_scope_create(gpu *g, const char *owner); /* NULL when out of memory */
-void gpu_scope_end(gpu_scope *scope); /* destroys its objects; history stays until the owner's last scope ends */
+void gpu_scope_end(
+    gpu_scope *scope); /* destroys its objects; history stays until the owner's last scope ends */
 
-strata_result gpu_buffer_create(gpu_scope *scope, const strata_buffer_desc *desc, strata_buffer *out,
-                                base_error *err);
+strata_result gpu_buffer_create(gpu_scope *scope, const strata_buffer_desc *desc,
+                                strata_buffer *out, base_error *err);
 strata_result gpu_image_create(gpu_scope *scope, const strata_image_desc *desc, strata_image *out,
                                base_error *err); /* width and height must be set */
 strata_result gpu_pool_create(gpu_scope *scope, const strata_pool_desc *desc, strata_pool *out,
@@ -119,10 +124,11 @@ strata_result gpu_set_define(gpu *g, const char *name, const char *value, base_e
  * earlier one of that name; bind NULL removes. A pass's own binds come first. */
 strata_result gpu_set_global(gpu *g, const char *name, const strata_bind *bind, base_error *err);
 
-/* ---- recording -------------------------------------------------------------------------------- */
+/* ---- recording --------------------------------------------------------------------------------
+ */
 
-/* Starts a frame (a band of one). Pools: `needed` becomes 0. Rectangle: the scissor of every pass that does
- * not set whole_frame, and the frame size for full-screen passes without attachments. */
+/* Starts a frame (a band of one). Pools: `needed` becomes 0. Rectangle: the scissor of every pass
+ * that does not set whole_frame, and the frame size for full-screen passes without attachments. */
 void gpu_begin(gpu *g, uint32_t frame_width, uint32_t frame_height);
 void gpu_rectangle(gpu *g, uint32_t x, uint32_t y, uint32_t width, uint32_t height);
 void gpu_pass(gpu *g, const char *owner, const strata_pass *pass);
@@ -132,7 +138,8 @@ void gpu_copy(gpu *g, const char *owner, strata_buffer to, uint64_t to_offset, s
               uint64_t from_offset, uint64_t size);
 /* Clears a colour or depth image as a whole (depth in value[0]). */
 void gpu_clear_image(gpu *g, const char *owner, strata_image image, const float value[4]);
-/* Submits what was recorded and waits. Returns the frame's first error. Recording may go on after. */
+/* Submits what was recorded and waits. Returns the frame's first error. Recording may go on after.
+ */
 strata_result gpu_submit(gpu *g, base_error *err);
 gpu_code gpu_last_code(const gpu *g);
 /* The frame's first error so far; result STRATA_OK when none. */
@@ -153,7 +160,8 @@ strata_result gpu_image_write(gpu *g, strata_image image, uint32_t layer, uint32
 uint32_t gpu_format_bytes(uint32_t format); /* bytes a texel, 0 for unknown */
 strata_result gpu_image_size(const gpu *g, strata_image image, uint32_t *width, uint32_t *height);
 
-/* ---- pools ------------------------------------------------------------------------------------ */
+/* ---- pools ------------------------------------------------------------------------------------
+ */
 uint64_t gpu_pool_capacity(const gpu *g, strata_pool pool);
 /* After gpu_submit: elements that the frame's last band asked for (saturated at 2^32 - 1). */
 strata_result gpu_pool_needed(gpu *g, strata_pool pool, uint64_t *needed, base_error *err);
@@ -164,7 +172,8 @@ uint64_t gpu_pool_element_bytes(const gpu *g, strata_pool pool); /* over all pla
 strata_result gpu_pool_grow(gpu *g, strata_pool pool, uint64_t capacity, base_error *err);
 strata_buffer gpu_pool_plane(const gpu *g, strata_pool pool, uint32_t plane); /* for reading back */
 
-/* ---- what it cost ----------------------------------------------------------------------------- */
+/* ---- what it cost -----------------------------------------------------------------------------
+ */
 typedef struct gpu_timing {
     char label[64], owner[32];
     double gpu_ms; /* < 0: not measured */

@@ -10,14 +10,15 @@
 #include "gpu/backend.h"
 #include "gpu/gpu.h"
 
-#define GPU_MAX_BINDINGS 64u    /* resources of one program */
-#define GPU_MAX_COLOR 8u        /* attachments */
-#define GPU_MAX_USES (GPU_MAX_BINDINGS + GPU_MAX_COLOR + 8u)
-#define GPU_MAX_UNIFORM 65536u  /* bytes of a uniform block that every supported driver takes */
-#define GPU_MAX_PARAMS 128u
-#define GPU_POOL_MINIMUM 1024u  /* elements of a pool whose maker expected nothing */
+#define GPU_MAX_BINDINGS 64u /* resources of one program */
+#define GPU_MAX_COLOR    8u  /* attachments */
+#define GPU_MAX_USES     (GPU_MAX_BINDINGS + GPU_MAX_COLOR + 8u)
+#define GPU_MAX_UNIFORM  65536u /* bytes of a uniform block that every supported driver takes */
+#define GPU_MAX_PARAMS   128u
+#define GPU_POOL_MINIMUM 1024u /* elements of a pool whose maker expected nothing */
 
-/* ---- storage, owners, scopes ------------------------------------------------------------------ */
+/* ---- storage, owners, scopes ------------------------------------------------------------------
+ */
 
 typedef struct gpu_owner gpu_owner;
 
@@ -29,7 +30,8 @@ typedef struct gpu_storage {
     uint32_t references, is_image;
     uint32_t write_access, write_stages; /* the last write */
     uint32_t read_access, read_stages;   /* all reads since */
-    uint32_t seen[4]; /* accesses that the last write is visible to: not by a shader, by each stage */
+    uint32_t
+        seen[4]; /* accesses that the last write is visible to: not by a shader, by each stage */
 } gpu_storage;
 
 typedef struct gpu_history { /* contents that outlive a scope, by name */
@@ -62,7 +64,7 @@ typedef struct gpu_image_state {
 } gpu_image_state;
 
 typedef struct gpu_pool_state {
-    uint32_t plane_count, fresh;          /* fresh: `needed` has not been cleared since gpu_begin */
+    uint32_t plane_count, fresh; /* fresh: `needed` has not been cleared since gpu_begin */
     uint32_t strides[STRATA_MAX_PLANES];
     char counter_name[64], names[STRATA_MAX_PLANES][64];
     gpu_object *counter, *planes[STRATA_MAX_PLANES]; /* buffers of the same scope */
@@ -110,7 +112,8 @@ struct gpu_scope {
     gpu_scope *next, *previous;
 };
 
-/* ---- the device ------------------------------------------------------------------------------- */
+/* ---- the device -------------------------------------------------------------------------------
+ */
 
 typedef struct gpu_text { /* a runtime include or define */
     struct gpu_text *next;
@@ -158,7 +161,8 @@ struct gpu {
     signed char selftest_timestamps, selftest_ordered_rmw; /* -1 unknown */
 };
 
-/* ---- gpu.c: errors ---------------------------------------------------------------------------- */
+/* ---- gpu.c: errors ----------------------------------------------------------------------------
+ */
 
 strata_result gpu_code_result(gpu_code code);
 /* Words "<detail>: <text of code>", remembers the code, returns its result. */
@@ -169,17 +173,19 @@ void gpu_record_fail(gpu *g, gpu_code code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 /* What a backend returned: its own words are in err already. Remembers MEMORY or LOST. */
 strata_result gpu_backend_result(gpu *g, base_error *err, strata_result result);
-/* Copies a struct of the ABI. Fails on NULL, on a struct_size below that of ABI 1.0 and on an unknown
- * tail that is not zero. */
+/* Copies a struct of the ABI. Fails on NULL, on a struct_size below that of ABI 1.0 and on an
+ * unknown tail that is not zero. */
 strata_result gpu_take(gpu *g, base_error *err, const void *from, void *to, size_t size,
                        const char *name);
 
-/* ---- gpu_objects.c ---------------------------------------------------------------------------- */
+/* ---- gpu_objects.c ----------------------------------------------------------------------------
+ */
 
 /* Guard of creation calls: lost device, injected failure. */
 strata_result gpu_creation(gpu *g, const char *label, base_error *err);
 gpu_object *gpu_object_new(gpu_scope *scope, gpu_kind kind, const char *label);
-void gpu_object_drop(gpu *g, gpu_object *object); /* the youngest of its scope; undoes gpu_object_new */
+void gpu_object_drop(gpu *g,
+                     gpu_object *object); /* the youngest of its scope; undoes gpu_object_new */
 /* NULL and *code when the handle is unknown or its object dead. */
 gpu_object *gpu_object_find(const gpu *g, uint32_t id, gpu_kind kind, gpu_code *code);
 strata_result gpu_storage_buffer(gpu *g, gpu_owner *owner, const strata_buffer_desc *desc,
@@ -187,13 +193,15 @@ strata_result gpu_storage_buffer(gpu *g, gpu_owner *owner, const strata_buffer_d
 void gpu_storage_release(gpu *g, gpu_storage *storage); /* NULL is fine */
 gpu_owner *gpu_owner_find(const gpu *g, const char *name);
 
-/* ---- gpu_pool.c ------------------------------------------------------------------------------- */
+/* ---- gpu_pool.c -------------------------------------------------------------------------------
+ */
 
 /* Before a pass that binds the pool: clears `needed` once a frame. */
 void gpu_pool_refresh(gpu *g, gpu_object *pool);
 void gpu_pools_begin(gpu *g);
 
-/* ---- gpu_hazards.c ---------------------------------------------------------------------------- */
+/* ---- gpu_hazards.c ----------------------------------------------------------------------------
+ */
 
 typedef struct gpu_use {
     gpu_storage *storage;
@@ -211,7 +219,8 @@ uint32_t gpu_hazards_derive(const gpu_uses *uses, gpu_barrier *barriers);
 /* The storage was written by the backend itself (zeros, uploads). */
 void gpu_hazards_uploaded(gpu_storage *storage);
 
-/* ---- gpu_bind.c ------------------------------------------------------------------------------- */
+/* ---- gpu_bind.c -------------------------------------------------------------------------------
+ */
 
 typedef struct gpu_resolved { /* the binds of a pass */
     uint32_t count;
@@ -225,14 +234,16 @@ typedef struct gpu_resolved { /* the binds of a pass */
 /* Resolves the pass's binds against the program; reports into the frame, returns 0 on failure. */
 int gpu_bind_resolve(gpu *g, const strata_pass *pass, const gpu_object *program, gpu_resolved *out);
 
-/* ---- gpu_record.c ----------------------------------------------------------------------------- */
+/* ---- gpu_record.c -----------------------------------------------------------------------------
+ */
 
 /* Whether a recording call may go on; names owner and label for messages. */
 int gpu_recording(gpu *g, const char *owner, const char *label);
 void gpu_open_commands(gpu *g);
 void gpu_flush(gpu *g); /* submits and waits; failures stick to the frame */
 
-/* ---- gpu_program.c, gpu_shader.c, gpu_compile.c, gpu_reflect.c, gpu_spirv.c, gpu_cache.c -------- */
+/* ---- gpu_program.c, gpu_shader.c, gpu_compile.c, gpu_reflect.c, gpu_spirv.c, gpu_cache.c --------
+ */
 
 strata_result gpu_program_build(gpu *g, gpu_object *program, base_error *err);
 void gpu_program_free(gpu *g, gpu_program_state *program);
@@ -280,7 +291,8 @@ int gpu_cache_load(const gpu *g, const gpu_program_state *program, gpu_spirv *sp
 void gpu_cache_store(const gpu *g, const gpu_program_state *program, const gpu_spirv *spirv,
                      const gpu_reflection *reflection);
 
-/* ---- gpu_selftest.c --------------------------------------------------------------------------- */
+/* ---- gpu_selftest.c ---------------------------------------------------------------------------
+ */
 int gpu_selftest(gpu *g, const char *id); /* 0 or 1; unknown: 0 */
 
 #endif

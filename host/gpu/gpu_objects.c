@@ -141,8 +141,8 @@ gpu_object *gpu_object_find(const gpu *g, uint32_t id, gpu_kind kind, gpu_code *
 static gpu_storage *storage_new(gpu_owner *owner, uint64_t bytes, uint32_t is_image) {
     gpu_storage *storage = base_calloc(1, sizeof *storage);
     if (storage)
-        *storage = (gpu_storage){
-            .references = 1, .owner = owner, .bytes = bytes, .is_image = is_image};
+        *storage =
+            (gpu_storage){.references = 1, .owner = owner, .bytes = bytes, .is_image = is_image};
     return storage;
 }
 
@@ -162,8 +162,8 @@ strata_result gpu_storage_buffer(gpu *g, gpu_owner *owner, const strata_buffer_d
     gpu_storage *storage = storage_new(owner, desc->size, 0);
     if (!storage)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory", desc->label);
-    strata_result result = gpu_backend_result(
-        g, err, g->backend->buffer_create(g->self, desc, &storage->native, err));
+    strata_result result =
+        gpu_backend_result(g, err, g->backend->buffer_create(g->self, desc, &storage->native, err));
     if (result != STRATA_OK) {
         free(storage);
         return result;
@@ -179,8 +179,8 @@ static strata_result storage_image(gpu *g, gpu_owner *owner, const strata_image_
     gpu_storage *storage = storage_new(owner, texels * gpu_format_bytes(desc->format), 1);
     if (!storage)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory", desc->label);
-    strata_result result = gpu_backend_result(
-        g, err, g->backend->image_create(g->self, desc, &storage->native, err));
+    strata_result result =
+        gpu_backend_result(g, err, g->backend->image_create(g->self, desc, &storage->native, err));
     if (result != STRATA_OK) {
         free(storage);
         return result;
@@ -270,8 +270,8 @@ strata_result gpu_buffer_create(gpu_scope *scope, const strata_buffer_desc *give
     if (result != STRATA_OK)
         return result;
     if (desc.size == 0 || desc.size % 4)
-        return gpu_fail(g, err, GPU_ERROR_BUFFER_SIZE, "%s: buffer '%s' of %llu bytes",
-                        owner->name, desc.label, (unsigned long long)desc.size);
+        return gpu_fail(g, err, GPU_ERROR_BUFFER_SIZE, "%s: buffer '%s' of %llu bytes", owner->name,
+                        desc.label, (unsigned long long)desc.size);
 
     gpu_object *object = gpu_object_new(scope, GPU_BUFFER, desc.label);
     if (!object)
@@ -297,9 +297,9 @@ strata_result gpu_buffer_create(gpu_scope *scope, const strata_buffer_desc *give
 
 uint32_t gpu_format_bytes(uint32_t format) {
     static const uint32_t bytes[] = {
-        [STRATA_FORMAT_RGBA32F] = 16, [STRATA_FORMAT_RGBA16F] = 8,    [STRATA_FORMAT_RGBA8] = 4,
+        [STRATA_FORMAT_RGBA32F] = 16,   [STRATA_FORMAT_RGBA16F] = 8,  [STRATA_FORMAT_RGBA8] = 4,
         [STRATA_FORMAT_RGBA8_SRGB] = 4, [STRATA_FORMAT_R32F] = 4,     [STRATA_FORMAT_R32U] = 4,
-        [STRATA_FORMAT_RG32U] = 8,    [STRATA_FORMAT_RGBA32U] = 16,   [STRATA_FORMAT_D32F] = 4,
+        [STRATA_FORMAT_RG32U] = 8,      [STRATA_FORMAT_RGBA32U] = 16, [STRATA_FORMAT_D32F] = 4,
         [STRATA_FORMAT_D32F_S8] = 8,
     };
     return format < BASE_COUNT(bytes) ? bytes[format] : 0;
@@ -337,10 +337,8 @@ strata_result gpu_image_create(gpu_scope *scope, const strata_image_desc *given,
     gpu_object *object = gpu_object_new(scope, GPU_IMAGE, desc.label);
     if (!object)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory", desc.label);
-    const gpu_history shape = {.format = desc.format,
-                               .width = desc.width,
-                               .height = desc.height,
-                               .layers = desc.layers};
+    const gpu_history shape = {
+        .format = desc.format, .width = desc.width, .height = desc.height, .layers = desc.layers};
     uint64_t bytes = (uint64_t)desc.width * desc.height * (desc.layers ? desc.layers : 1) *
                      gpu_format_bytes(desc.format);
     gpu_storage *storage =
