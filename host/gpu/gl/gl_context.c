@@ -176,16 +176,15 @@ static strata_result needs_check(gl *g, base_error *err) {
     g->fn.GetIntegerv = (PFNGLGETINTEGERVPROC)eglGetProcAddress("glGetIntegerv");
     g->fn.GetStringi = (PFNGLGETSTRINGIPROC)eglGetProcAddress("glGetStringi");
     if (!g->fn.GetIntegerv || !g->fn.GetStringi)
-        return base_fail(err, STRATA_ERROR_UNSUPPORTED,
-                         "gl: the driver offers no OpenGL functions");
+        return base_fail(err, STRATA_ERROR_UNSUPPORTED, "the driver offers no OpenGL functions");
     g->fn.GetIntegerv(GL_MAJOR_VERSION, &major);
     g->fn.GetIntegerv(GL_MINOR_VERSION, &minor);
     int core_46 = major > 4 || (major == 4 && minor >= 6);
     for (size_t i = 0; !core_46 && i < BASE_COUNT(needed); i++)
         if (!gl_has(g, needed[i]))
-            return base_fail(err, STRATA_ERROR_UNSUPPORTED, "gl: the driver lacks %s", needed[i]);
+            return base_fail(err, STRATA_ERROR_UNSUPPORTED, "the driver lacks %s", needed[i]);
     if (!functions_load(&g->fn, core_46))
-        return base_fail(err, STRATA_ERROR_UNSUPPORTED, "gl: the driver lacks a function of 4.5");
+        return base_fail(err, STRATA_ERROR_UNSUPPORTED, "the driver lacks a function of 4.5");
     return STRATA_OK;
 }
 
@@ -199,10 +198,10 @@ strata_result gl_context_create(gl *g, EGLDisplay display, base_error *err) {
     if (g->context == EGL_NO_CONTEXT)
         result =
             base_fail(err, STRATA_ERROR_UNSUPPORTED,
-                      "gl: no OpenGL 4.5 core context (EGL error 0x%04x)", (unsigned)eglGetError());
+                      "no OpenGL 4.5 core context (EGL error 0x%04x)", (unsigned)eglGetError());
     else if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, g->context))
         result = base_fail(err, STRATA_ERROR_UNSUPPORTED,
-                           "gl: the new context cannot be made current (EGL error 0x%04x)",
+                           "the new context cannot be made current (EGL error 0x%04x)",
                            (unsigned)eglGetError());
     else
         result = needs_check(g, err);

@@ -173,7 +173,7 @@ static strata_result gl_open(const gpu_open_info *info, void **self, gpu_backend
     base_error first = {0};
     gl *g = base_calloc(1, sizeof *g);
     if (!g)
-        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "gl: out of memory");
+        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "out of memory");
     g->check = info->check;
     for (uint32_t i = 0; i < count; i++) {
         char name[256], driver[256];
@@ -187,10 +187,10 @@ static strata_result gl_open(const gpu_open_info *info, void **self, gpu_backend
     if (g->context == EGL_NO_CONTEXT) {
         free(g);
         if (index > 0)
-            return base_fail(err, STRATA_ERROR_UNSUPPORTED, "gl: no device '%s' among %u",
-                             info->device, (unsigned)index);
+            return base_fail(err, STRATA_ERROR_UNSUPPORTED, "no device '%s' among %u", info->device,
+                             (unsigned)index);
         return base_fail(err, STRATA_ERROR_UNSUPPORTED, "%s",
-                         first.result != STRATA_OK ? first.text : "gl: EGL finds no device");
+                         first.result != STRATA_OK ? first.text : "EGL finds no device");
     }
     strata_result result = state_init(g, err);
     if (result != STRATA_OK) {
