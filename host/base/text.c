@@ -42,7 +42,10 @@ strata_result base_fail(base_error *err, strata_result result, const char *forma
 }
 
 void *base_calloc(size_t count, size_t size) {
-    return calloc(count ? count : 1, size ? size : 1);
+    size_t bytes;
+    if (__builtin_mul_overflow(count, size, &bytes))
+        return NULL;
+    return calloc(bytes ? bytes : 1, 1);
 }
 
 void *base_realloc(void *old, size_t count, size_t size) {
