@@ -67,8 +67,8 @@ static const struct fact_row {
     int (*counts)(const scene_material *);
     uint64_t (*total)(const totals *);
 } rows[] = {
-    {"materials.opaque", "that are opaque", "materials in use, opaque without a mask", is_opaque,
-     NULL},
+    {"materials.opaque", "with alphaMode OPAQUE", "materials in use, opaque without a mask",
+     is_opaque, NULL},
     {"materials.mask", "with alphaMode MASK", "materials in use with alphaMode MASK", is_mask,
      NULL},
     {"materials.blend", "with alphaMode BLEND", "materials in use with alphaMode BLEND", is_blend,
@@ -77,8 +77,7 @@ static const struct fact_row {
      "materials in use with KHR_materials_transmission above 0", is_transmission, NULL},
     {"materials.unlit", "with KHR_materials_unlit", "materials in use that are not shaded",
      is_unlit, NULL},
-    {"materials.emissive", "that emit light", "materials in use that emit light", is_emissive,
-     NULL},
+    {"materials.emissive", "with emission", "materials in use that emit light", is_emissive, NULL},
     {"instances", "visible instance", "visible instances that have geometry", NULL, get_instances},
     {"triangles", "triangle", "triangles of visible instances", NULL, get_triangles},
     {"points", "point", "points (round splats) of visible instances", NULL, get_points},

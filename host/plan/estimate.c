@@ -14,6 +14,11 @@
 #define MAX_VERTICES 10 /* a triangle cut by six planes has at most nine */
 #define PLANES       6
 
+/* The time an estimate may take, in visits of a cell (some nanoseconds each). */
+#define MAX_STEPS     2500000u
+#define FIXED_STEPS   12.0 /* of a triangle before it reaches a cell */
+#define PILOT_SAMPLES 2048u
+
 typedef struct cell {
     double area; /* pixels of fragments */
     double x0, x1, y0, y1;
@@ -21,8 +26,9 @@ typedef struct cell {
 
 typedef struct grid {
     uint32_t columns, rows;
-    double width, height, cell_width, cell_height;
+    double width, height, cell_width, cell_height, columns_a_pixel, rows_a_pixel;
     double fragments;
+    uint64_t steps; /* cells touched, the time it took */
     cell cells[CELLS][CELLS];
 } grid;
 
@@ -40,8 +46,32 @@ typedef struct instance_view {
 
 /* ---- the grid -------------------------------------------------------------------------------- */
 
-static uint32_t cell_index(double position, double size, uint32_t count) {
-    double index = floor(position / size);
+static grid *grid_create(const estimate_view *view) {
+    grid *g = base_calloc(1, sizeof *g);
+    if (!g)
+        return NULL;
+    g->columns = view->width < CELLS ? view->width : CELLS;
+    g->rows = view->height < CELLS ? view->height : CELLS;
+    g->width = (double)view->width;
+    g->height = (double)view->height;
+    g->cell_width = g->width / (double)g->columns;
+    g->cell_height = g->height / (double)g->rows;
+    g->columns_a_pixel = (double)g->columns / g->width;
+    g->rows_a_pixel = (double)g->rows / g->height;
+    return g;
+}
+
+/* fmin and fmax order NaN as well, at the price of a call each; no NaN gets this far. */
+static inline double smaller(double a, double b) {
+    return a < b ? a : b;
+}
+
+static inline double larger(double a, double b) {
+    return a > b ? a : b;
+}
+
+static inline uint32_t cell_index(double position, double scale, uint32_t count) {
+    double index = position * scale;
     if (!(index > 0.0))
         return 0;
     return index >= (double)count ? count - 1 : (uint32_t)index;
@@ -69,16 +99,17 @@ static void span_at(const outline *o, double y, double *left, double *right) {
         if ((yi < y) == (yj < y))
             continue;
         double x = o->x[i] + (o->x[j] - o->x[i]) * ((y - yi) / (yj - yi));
-        *left = fmin(*left, x);
-        *right = fmax(*right, x);
+        *left = smaller(*left, x);
+        *right = larger(*right, x);
     }
 }
 
 /* Adds a span of one row of cells, `density` fragments a pixel of its area. */
 static void add_span(grid *g, uint32_t row, double left, double right, double y0, double y1,
                      double density) {
-    uint32_t first = cell_index(left, g->cell_width, g->columns);
-    uint32_t last = cell_index(right, g->cell_width, g->columns);
+    uint32_t first = cell_index(left, g->columns_a_pixel, g->columns);
+    uint32_t last = cell_index(right, g->columns_a_pixel, g->columns);
+    g->steps += last - first;
     for (uint32_t column = first; column <= last; column++) {
         double x0 = column == first ? left : (double)column * g->cell_width;
         double x1 = column == last ? right : (double)(column + 1) * g->cell_width;
@@ -94,22 +125,23 @@ static void add_outline(grid *g, const outline *o, double area) {
     double left[CELLS], right[CELLS], sum = 0.0;
     double x0 = o->x[0], x1 = x0, y0 = o->y[0], y1 = y0;
     for (int i = 1; i < o->count; i++) {
-        x0 = fmin(x0, o->x[i]);
-        x1 = fmax(x1, o->x[i]);
-        y0 = fmin(y0, o->y[i]);
-        y1 = fmax(y1, o->y[i]);
+        x0 = smaller(x0, o->x[i]);
+        x1 = larger(x1, o->x[i]);
+        y0 = smaller(y0, o->y[i]);
+        y1 = larger(y1, o->y[i]);
     }
-    uint32_t first = cell_index(y0, g->cell_height, g->rows);
-    uint32_t last = cell_index(y1, g->cell_height, g->rows);
-    uint32_t column = cell_index(x0, g->cell_width, g->columns);
+    uint32_t first = cell_index(y0, g->rows_a_pixel, g->rows);
+    uint32_t last = cell_index(y1, g->rows_a_pixel, g->rows);
+    uint32_t column = cell_index(x0, g->columns_a_pixel, g->columns);
     g->fragments += area;
-    if (first == last && column == cell_index(x1, g->cell_width, g->columns)) {
+    g->steps += 1 + last - first;
+    if (first == last && column == cell_index(x1, g->columns_a_pixel, g->columns)) {
         add_to_cell(&g->cells[first][column], area, x0, x1, y0, y1);
         return;
     }
     for (uint32_t row = first; row <= last; row++) {
-        double low = fmax(y0, (double)row * g->cell_height);
-        double high = fmin(y1, (double)(row + 1) * g->cell_height);
+        double low = larger(y0, (double)row * g->cell_height);
+        double high = smaller(y1, (double)(row + 1) * g->cell_height);
         span_at(o, 0.5 * (low + high), &left[row], &right[row]);
         if (left[row] <= right[row])
             sum += (right[row] - left[row]) * (high - low);
@@ -119,8 +151,8 @@ static void add_outline(grid *g, const outline *o, double area) {
         return;
     }
     for (uint32_t row = first; row <= last; row++) {
-        double low = fmax(y0, (double)row * g->cell_height);
-        double high = fmin(y1, (double)(row + 1) * g->cell_height);
+        double low = larger(y0, (double)row * g->cell_height);
+        double high = smaller(y1, (double)(row + 1) * g->cell_height);
         if (left[row] <= right[row] && low < high)
             add_span(g, row, left[row], right[row], low, high, area / sum);
     }
@@ -170,20 +202,23 @@ static int clip_plane(double (*in)[4], int count, int plane, double (*out)[4]) {
     return kept;
 }
 
+/* A bit for each plane that v lies outside of; all of them when v is not a number. */
+static inline unsigned outside(const double v[4]) {
+    double x = v[0], y = v[1], z = v[2], w = v[3];
+    return (unsigned)!(w + x >= 0.0) | (unsigned)!(w - x >= 0.0) << 1 |
+           (unsigned)!(w + y >= 0.0) << 2 | (unsigned)!(w - y >= 0.0) << 3 |
+           (unsigned)!(w - z >= 0.0) << 4 | (unsigned)!(z >= 0.0) << 5;
+}
+
 /* Clips a triangle to the view volume, in place. Returns the number of vertices, 0 = outside. */
 static int clip_triangle(double (*v)[4]) {
     double other[MAX_VERTICES][4];
+    unsigned a = outside(v[0]), b = outside(v[1]), c = outside(v[2]), cut = a | b | c;
     int count = 3;
-    unsigned cut = 0;
-    for (int plane = 0; plane < PLANES; plane++) {
-        int in = 0;
-        for (int i = 0; i < 3; i++)
-            in += inside(v[i], plane) >= 0.0;
-        if (in == 0)
-            return 0;
-        if (in < 3)
-            cut |= 1u << plane;
-    }
+    if (cut == 0)
+        return 3;
+    if (a & b & c)
+        return 0;
     for (int plane = 0; plane < PLANES && count > 0; plane++) {
         if (!(cut & (1u << plane)))
             continue;
@@ -196,7 +231,7 @@ static int clip_triangle(double (*v)[4]) {
 static void add_triangle(grid *g, const instance_view *view, const scene_mesh *mesh,
                          uint64_t triangle, double weight) {
     double v[MAX_VERTICES][4];
-    outline o = {0};
+    outline o;
     const uint32_t *indices = mesh->indices + triangle * 3;
     for (int i = 0; i < 3; i++)
         to_clip(view->to_clip, mesh->positions + (size_t)indices[i] * 3, v[i]);
@@ -207,8 +242,9 @@ static void add_triangle(grid *g, const instance_view *view, const scene_mesh *m
     for (int i = 0; i < o.count; i++) {
         if (!(v[i][3] > 0.0))
             return;
-        o.x[i] = fmin(fmax((v[i][0] / v[i][3] * 0.5 + 0.5) * g->width, 0.0), g->width);
-        o.y[i] = fmin(fmax((v[i][1] / v[i][3] * 0.5 + 0.5) * g->height, 0.0), g->height);
+        double half = 0.5 / v[i][3];
+        o.x[i] = smaller(larger((v[i][0] * half + 0.5) * g->width, 0.0), g->width);
+        o.y[i] = smaller(larger((v[i][1] * half + 0.5) * g->height, 0.0), g->height);
     }
     for (int i = 0; i < o.count; i++) {
         int j = i + 1 == o.count ? 0 : i + 1;
@@ -310,16 +346,16 @@ static strata_result count_scene(const scene *s, const unsigned char *transparen
 
 /* Every stride-th primitive over all instances; the stride shares no factor with the 2, 3 or 12
  * triangles that quads, prisms and boxes repeat by. */
-static uint64_t sample_stride(uint64_t primitives) {
-    uint64_t stride = (primitives + ESTIMATE_MAX_SAMPLES - 1) / ESTIMATE_MAX_SAMPLES;
+static uint64_t stride_for(uint64_t primitives, uint64_t samples) {
+    uint64_t stride = (primitives + samples - 1) / samples;
     while (stride > 1 && (stride % 2 == 0 || stride % 3 == 0))
         stride++;
-    return stride ? stride : 1;
+    return stride;
 }
 
 static void fill_grid(grid *g, const scene *s, const estimate_view *view,
-                      const unsigned char *transparent, uint64_t primitives) {
-    uint64_t stride = sample_stride(primitives), next = 0, base = 0;
+                      const unsigned char *transparent, uint64_t primitives, uint64_t samples) {
+    uint64_t stride = stride_for(primitives, samples), next = 0, base = 0;
     double weight = (double)primitives / (double)((primitives + stride - 1) / stride);
     for (uint32_t i = 0; i < s->instance_count; i++) {
         const scene_instance *instance = &s->instances[i];
@@ -338,6 +374,22 @@ static void fill_grid(grid *g, const scene *s, const estimate_view *view,
         }
         base = end;
     }
+}
+
+/* How many samples the time allows, from what the first few cost: large triangles touch many cells.
+ */
+static uint64_t affordable(const grid *pilot, uint64_t samples) {
+    double steps = FIXED_STEPS + (double)pilot->steps / (double)samples;
+    double affordable = (double)MAX_STEPS / steps;
+    if (affordable >= (double)ESTIMATE_MAX_SAMPLES)
+        return ESTIMATE_MAX_SAMPLES;
+    return affordable > (double)PILOT_SAMPLES ? (uint64_t)affordable : PILOT_SAMPLES;
+}
+
+static void reset(grid *g) {
+    g->fragments = 0.0;
+    g->steps = 0;
+    memset(g->cells, 0, sizeof g->cells);
 }
 
 static void summarise(const grid *g, strata_scene_stats *out) {
@@ -373,17 +425,17 @@ strata_result estimate_stats(const scene *s, const estimate_view *view,
     strata_result result = count_scene(s, transparent, out, &primitives, err);
     if (result != STRATA_OK || primitives == 0)
         return result;
-    grid *g = base_calloc(1, sizeof *g);
+    grid *g = grid_create(view);
     if (!g)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory for an estimate",
                          s->path);
-    g->columns = view->width < CELLS ? view->width : CELLS;
-    g->rows = view->height < CELLS ? view->height : CELLS;
-    g->width = (double)view->width;
-    g->height = (double)view->height;
-    g->cell_width = g->width / (double)g->columns;
-    g->cell_height = g->height / (double)g->rows;
-    fill_grid(g, s, view, transparent, primitives);
+    uint64_t samples = ESTIMATE_MAX_SAMPLES;
+    if (primitives > 4 * PILOT_SAMPLES) {
+        fill_grid(g, s, view, transparent, primitives, PILOT_SAMPLES);
+        samples = affordable(g, PILOT_SAMPLES);
+        reset(g);
+    }
+    fill_grid(g, s, view, transparent, primitives, samples);
     summarise(g, out);
     free(g);
     return STRATA_OK;
