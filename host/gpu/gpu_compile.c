@@ -15,6 +15,8 @@
 #include <glslang/Public/resource_limits_c.h>
 #include <glslang/build_info.h>
 
+#define SPIRV_MAGIC 0x07230203u
+
 static pthread_once_t initialised = PTHREAD_ONCE_INIT;
 
 static void initialise(void) {
@@ -80,15 +82,28 @@ static glslang_shader_t *parse(const char *label, const gpu_source *source, glsl
     return shader;
 }
 
+/* Some releases of glslang append a program's second module to its first: skips what was there. */
+static size_t skip_earlier(const uint32_t *words, size_t count, const uint32_t *earlier,
+                           size_t earlier_count) {
+    int appended = earlier_count && count > earlier_count && words[earlier_count] == SPIRV_MAGIC &&
+                   memcmp(words, earlier, earlier_count * sizeof *words) == 0;
+    return appended ? earlier_count : 0;
+}
+
 static strata_result generate(glslang_program_t *program, glslang_stage_t stage, const char *label,
-                              uint32_t **words, size_t *count, base_error *err) {
+                              gpu_spirv *out, int index, base_error *err) {
     glslang_program_SPIRV_generate(program, stage);
-    *count = glslang_program_SPIRV_get_size(program);
-    *words = *count ? base_calloc(*count, sizeof **words) : NULL;
-    if (!*words)
-        return base_fail(err, *count ? STRATA_ERROR_OUT_OF_HOST_MEMORY : STRATA_ERROR_SHADER,
-                         "%s: no SPIR-V", label);
-    glslang_program_SPIRV_get(program, *words);
+    size_t count = glslang_program_SPIRV_get_size(program);
+    const uint32_t *words = glslang_program_SPIRV_get_ptr(program);
+    size_t skipped = index ? skip_earlier(words, count, out->words[0], out->count[0]) : 0;
+    count -= skipped;
+    if (count == 0)
+        return base_fail(err, STRATA_ERROR_SHADER, "%s: no SPIR-V", label);
+    out->words[index] = base_calloc(count, sizeof *words);
+    if (!out->words[index])
+        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory", label);
+    memcpy(out->words[index], words + skipped, count * sizeof *words);
+    out->count[index] = count;
     return STRATA_OK;
 }
 
@@ -121,7 +136,7 @@ strata_result gpu_compile(const char *label, uint32_t kind, int vulkan_target,
         goto cleanup;
     }
     for (int i = 0; i < stage_count && result == STRATA_OK; i++)
-        result = generate(program, stages[i], label, &out->words[i], &out->count[i], err);
+        result = generate(program, stages[i], label, out, i, err);
 cleanup:
     glslang_program_delete(program);
     for (int i = 0; i < stage_count; i++)
