@@ -147,7 +147,7 @@ strata_result scene_load(const char *path, scene **out, base_error *err);
 strata_result scene_load_memory(const char *name, const void *data, size_t size, scene **out,
                                 base_error *err);
 
-/* A procedural scene: shells, soup, hairball, needles, particles, stack, city, layers.
+/* A procedural scene: shells, soup, hairball, needles, particles, stack, city, layers, glass.
  * knobs: count strings "K=V". Unknown names and values out of range fail with the list of knobs. */
 strata_result scene_generate(const char *name, const char *const *knobs, uint32_t knob_count,
                              scene **out, base_error *err);
@@ -156,6 +156,7 @@ typedef struct scene_generator_knob {
     const char *name, *title;
     double preset, minimum, maximum;
     int whole; /* 1: integers only */
+    const char *const *choices; /* NULL-terminated names for 0, 1, ... up to maximum, or NULL */
 } scene_generator_knob;
 typedef struct scene_generator {
     const char *name, *title;
