@@ -121,19 +121,25 @@ static strata_result elf_find(const elf_file *file, char **text, base_error *err
     strata_result result = elf_read(file, 0, &header, sizeof header, "the ELF header", err);
     if (result == STRATA_OK)
         result = elf_check_header(file, &header, err);
-    for (uint32_t i = 0; result == STRATA_OK && !*text && i < header.e_phnum; i++) {
+    for (uint32_t i = 0; result == STRATA_OK && i < header.e_phnum; i++) {
         Elf64_Phdr segment = {0};
         uint64_t offset;
         if (__builtin_add_overflow(header.e_phoff, (uint64_t)i * sizeof segment, &offset))
-            return elf_fail(file, "the ELF program headers reach beyond the end of the file", err);
-        result = elf_read(file, offset, &segment, sizeof segment, "an ELF program header", err);
-        if (result == STRATA_OK && segment.p_type == PT_NOTE)
+            result =
+                elf_fail(file, "the ELF program headers reach beyond the end of the file", err);
+        if (result == STRATA_OK)
+            result = elf_read(file, offset, &segment, sizeof segment, "an ELF program header", err);
+        /* The dynamic linker maps what is not there and dies of it, so look here. */
+        if (result == STRATA_OK && segment.p_type == PT_LOAD &&
+            (segment.p_offset > file->size || segment.p_filesz > file->size - segment.p_offset))
+            result = elf_fail(file, "cut off: a segment reaches beyond the end of the file", err);
+        if (result == STRATA_OK && segment.p_type == PT_NOTE && !*text)
             result = elf_scan_segment(file, &segment, text, err);
     }
     if (result == STRATA_OK && !*text)
-        return base_fail(err, STRATA_ERROR_NOT_FOUND,
-                         "%s: has no Strata note; was it built with strata_add_module?",
-                         file->path);
+        result =
+            base_fail(err, STRATA_ERROR_NOT_FOUND,
+                      "%s: has no Strata note; was it built with strata_add_module?", file->path);
     return result;
 }
 
@@ -152,5 +158,9 @@ strata_result note_elf_read(const char *path, char **text, base_error *err) {
         result = elf_find(&file, text, err);
     }
     close(file.fd);
+    if (result != STRATA_OK) {
+        free(*text);
+        *text = NULL;
+    }
     return result;
 }

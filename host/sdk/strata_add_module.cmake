@@ -2,7 +2,8 @@
 #
 # Builds a module; part of the installed SDK, and used for the modules in plugins/ alike.
 #
-#     strata_add_module(ID SOURCES a.c... [GLSL x.glsl...] [LIBRARIES target...])
+#     strata_add_module(ID SOURCES a.c... [GLSL x.glsl...] [LIBRARIES target...]
+#                       [NO_INSTALL])
 #
 # makes the target strata_module_ID, the shared object ID.so:
 #   - GLSL files are embedded; the header "ID_glsl.h" declares NAME_glsl for each NAME.glsl;
@@ -10,12 +11,12 @@
 #   - its ELF note is generated from the C descriptor: the objects are linked once without it,
 #     strata-note opens and checks that and writes the note, and they are linked again with it.
 # ID is the name of the file; by custom the module's id in its descriptor. `cmake --install` puts it
-# into lib/strata.
+# into lib/strata, unless NO_INSTALL is given.
 include(GNUInstallDirs)
 set(STRATA_MODULE_MAP "${CMAKE_CURRENT_LIST_DIR}/module.map" CACHE INTERNAL "")
 
 function(strata_add_module id)
-  cmake_parse_arguments(PARSE_ARGV 1 MODULE "" "" "SOURCES;GLSL;LIBRARIES")
+  cmake_parse_arguments(PARSE_ARGV 1 MODULE "NO_INSTALL" "" "SOURCES;GLSL;LIBRARIES")
   if(NOT id MATCHES "^[a-z][a-z0-9_]*$" OR NOT MODULE_SOURCES OR MODULE_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "strata_add_module(ID SOURCES a.c... [GLSL x.glsl...] [LIBRARIES t...]): "
                         "bad id, no sources, or unknown arguments \"${MODULE_UNPARSED_ARGUMENTS}\"")
@@ -54,5 +55,7 @@ function(strata_add_module id)
     set_target_properties(${target} PROPERTIES
       LIBRARY_OUTPUT_DIRECTORY "${STRATA_MODULE_OUTPUT_DIRECTORY}")
   endif()
-  install(TARGETS ${target} LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}/strata")
+  if(NOT MODULE_NO_INSTALL)
+    install(TARGETS ${target} LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}/strata")
+  endif()
 endfunction()
