@@ -3,7 +3,7 @@
  * host/modules: the ELF note reader against files that lie, the JSON of a note, and the rules that
  * a descriptor must keep.
  */
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE
 #include "modules/modules_internal.h"
 #include "unit/modules_fixture.h"
 
@@ -13,6 +13,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -30,11 +32,15 @@ static char *good_note(void) {
 /* ---- ELF --------------------------------------------------------------------------------------
  */
 
-/* Reads the note of a file of these bytes; a text that is read is parsed too. */
+/* Reads the note of a file (in memory) of these bytes; a text that is read is parsed too. */
 static strata_result read_bytes(const void *data, size_t size, base_error *err) {
-    const char *path = fixture_write("bytes.so", data, size);
-    char *text;
+    char path[32], *text;
+    int fd = memfd_create("bytes.so", MFD_CLOEXEC);
+    assert_true(fd >= 0);
+    assert_int_equal(write(fd, data, size), size);
+    snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
     strata_result result = note_elf_read(path, &text, err);
+    close(fd);
     if (result != STRATA_OK) {
         assert_null(text);
         assert_int_equal(err->result, result);
