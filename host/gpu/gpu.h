@@ -120,6 +120,9 @@ uint64_t gpu_bytes_peak(const gpu *g, const char *owner);
 strata_result gpu_set_include(gpu *g, const char *name, const char *text, base_error *err);
 strata_result gpu_set_define(gpu *g, const char *name, const char *value, base_error *err);
 
+/* A source of shaders/strata by its path ("strata/elements.glsl"), NULL when there is none. */
+const strata_glsl *gpu_library_find(const char *path);
+
 /* Resources that a pass uses by name without binding them (the host's Strata* blocks). Replaces an
  * earlier one of that name; bind NULL removes. A pass's own binds come first. */
 strata_result gpu_set_global(gpu *g, const char *name, const strata_bind *bind, base_error *err);

@@ -28,6 +28,13 @@ const strata_glsl *const *gpu_library(void) {
     return library_glsl_all;
 }
 
+const strata_glsl *gpu_library_find(const char *path) {
+    for (const strata_glsl *const *entry = library_glsl_all; *entry; entry++)
+        if (strcmp((*entry)->path, path) == 0)
+            return *entry;
+    return NULL;
+}
+
 void gpu_source_free(gpu_source *source) {
     for (size_t i = 0; i < source->path_count; i++)
         free(source->paths[i]);

@@ -95,15 +95,15 @@ static upload *allocate(gpu *g, const scene *s, uint32_t seed) {
     return NULL;
 }
 
-strata_result upload_create(gpu *g, const scene *s, uint32_t shuffle_seed, upload **out,
-                            base_error *err) {
+strata_result upload_create(gpu *g, const scene *s, const unsigned char *transparent,
+                            uint32_t shuffle_seed, upload **out, base_error *err) {
     *out = NULL;
     forget_names(g);
     upload *u = allocate(g, s, shuffle_seed);
     if (!u)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory to upload it",
                          s->path);
-    strata_result result = upload_geometry(u, s, err);
+    strata_result result = upload_geometry(u, s, transparent, err);
     if (result == STRATA_OK)
         result = upload_materials(u, s, err);
     if (result == STRATA_OK)

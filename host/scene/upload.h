@@ -22,12 +22,13 @@ typedef struct upload_counts {
 
 /* Copies the scene, sets the globals and the STRATA_HAS_* defines: programs are to be created after
  * this, and again after another scene was uploaded. One upload lives at a time on a device.
+ * transparent: a byte for each material, 1 = drawn with draws.transparent/1; NULL: none is.
  * shuffle_seed other than 0 permutes the draws, and the triangles within each mesh, as submitted;
  * StrataPrimitiveMap maps them back, so that images do not change. A stream that exceeds the
  * device's storage range is refused by name (OVERFLOW). The scene is not kept, but upload_update
  * wants the same one. */
-strata_result upload_create(gpu *g, const scene *s, uint32_t shuffle_seed, upload **out,
-                            base_error *err);
+strata_result upload_create(gpu *g, const scene *s, const unsigned char *transparent,
+                            uint32_t shuffle_seed, upload **out, base_error *err);
 
 /* Follows the scene's edits: moved and hidden instances, deformed meshes, moved lights. Draw lists
  * whose number of commands changes get new handles. Outside recording. */
@@ -42,8 +43,8 @@ strata_result upload_set_key_light(upload *u, const scene_view *first, base_erro
  * 2 (degree, order: 00, 1-1, 10, 11, 2-2, 2-1, 20, 21, 22), a soft sky that is brighter above. */
 void upload_ambient(float ambient[9][4]);
 
-/* "draws.opaque/1": OPAQUE and MASK materials without transmission; "draws.transparent/1": the
- * others; each in scene order. An empty list is a handle that draws nothing, made when first asked
+/* "draws.transparent/1": the materials said to be transparent; "draws.opaque/1": the others; each in
+ * scene order. An empty list is a handle that draws nothing, made when first asked
  * for. The zero handle for other slots and when memory ran out. Valid until the next update. */
 strata_draws upload_draws(upload *u, const char *slot);
 

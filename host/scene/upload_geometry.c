@@ -262,13 +262,14 @@ static strata_result define_features(upload *u, const scene *s, base_error *err)
     return result;
 }
 
-strata_result upload_geometry(upload *u, const scene *s, base_error *err) {
+strata_result upload_geometry(upload *u, const scene *s, const unsigned char *transparent,
+                              base_error *err) {
     for (uint32_t i = 0; i < s->instance_count; i++)
         u->meshes[s->instances[i].mesh].used = s->meshes[s->instances[i].mesh].index_count > 0;
     for (uint32_t i = 0; i < s->mesh_count; i++) {
         const scene_material *material = &s->materials[s->meshes[i].material];
         u->meshes[i].flags = mesh_flags(&s->meshes[i], material);
-        u->meshes[i].transparent = material->alpha == SCENE_BLEND || material->transmission > 0.0f;
+        u->meshes[i].transparent = transparent && transparent[s->meshes[i].material];
     }
     uint64_t counts[UPLOAD_STREAMS];
     strata_result result = lay_out_streams(u, s, counts, err);

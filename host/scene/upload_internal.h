@@ -111,7 +111,8 @@ struct upload {
 /* ---- steps; each leaves what it made in u, also when it fails -------------------------------- */
 
 /* upload_geometry.c: flags, layout and contents of streams and indices. */
-strata_result upload_geometry(upload *u, const scene *s, base_error *err);
+strata_result upload_geometry(upload *u, const scene *s, const unsigned char *transparent,
+                              base_error *err);
 strata_result upload_deformed(upload *u, const scene *s, base_error *err);
 
 /* upload_draws.c: records and commands, made or brought up to date. */

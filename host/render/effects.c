@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The generated effect header, strata/effects.glsl: StrataPayload with the active effects' fields and
+ * no others, its packing into the planes of fragments/1 as the plan laid it out, and the calls into
+ * the effects' own GLSL. Stands between plan and fragments.
+ */
+#include "render/render.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static const char *type_of(uint32_t channels) {
+    static const char *const types[] = {"float", "vec2", "vec3", "vec4"};
+    return types[channels - 1];
+}
+
+/* "payload.NAME" or "payload.NAME.x". */
+static void add_channel(base_text *text, const plan_field *field, uint32_t channel) {
+    base_text_add(text, "payload.%s", field->name);
+    if (field->channels > 1)
+        base_text_add(text, ".%c", "xyzw"[channel]);
+}
+
+static const char *encoder(uint32_t bits) {
+    return bits == 32 ? "floatBitsToUint" : bits == 16 ? "strata_half" : "strata_unorm8";
+}
+
+static const char *decoder(uint32_t bits) {
+    return bits == 32 ? "uintBitsToFloat" : bits == 16 ? "strata_from_half" : "strata_from_unorm8";
+}
+
+static void add_structs(base_text *text, const plan *p) {
+    const plan_payload *payload = &p->payload;
+    base_text_add(text, "#ifndef STRATA_EFFECTS_GLSL\n#define STRATA_EFFECTS_GLSL\n"
+                        "#include \"strata/surface.glsl\"\n#include \"strata/pack.glsl\"\n");
+    base_text_add(text, "#define STRATA_TRANSMITTANCE %s\n",
+                  p->transmittance_channels == 3 ? "vec3" : "float");
+    base_text_add(text, "struct StrataElement {\n    vec4 color;\n    STRATA_TRANSMITTANCE "
+                        "transmittance;\n};\nstruct StrataPayload {\n");
+    for (uint32_t i = 0; i < payload->field_count; ++i)
+        base_text_add(text, "    %s %s;\n", type_of(payload->fields[i].channels),
+                      payload->fields[i].name);
+    base_text_add(text, "};\n");
+    for (uint32_t i = 0; i < p->effect_count; ++i)
+        if (p->effects[i].active)
+            base_text_add(text, "#include \"effects/%s.glsl\"\n", p->effects[i].effect->id);
+}
+
+/* emit and event: straight calls with one active effect, a choice by number with several. */
+static void add_calls(base_text *text, const plan *p) {
+    const plan_payload *payload = &p->payload;
+    const int several = p->active_effects > 1;
+    base_text_add(text, "#ifdef STRATA_PAYLOAD_WRITE\n");
+    if (several)
+        base_text_add(text, "layout(std430) readonly buffer StrataMaterialEffects { uint "
+                            "strata_material_effect[]; };\n");
+    base_text_add(text, "StrataPayload strata_emit(StrataSurface surface) {\n"
+                        "    StrataPayload payload = StrataPayload(");
+    for (uint32_t i = 0; i < payload->field_count; ++i)
+        base_text_add(text, "%s%s(0.0)", i ? ", " : "", type_of(payload->fields[i].channels));
+    base_text_add(text, ");\n");
+    if (several)
+        base_text_add(text, "    uint effect = strata_material_effect[surface.material];\n"
+                            "    payload.id = float(effect);\n");
+    for (uint32_t i = 0; i < p->effect_count; ++i) {
+        if (!p->effects[i].active)
+            continue;
+        if (several)
+            base_text_add(text, "    if (effect == %uu)\n    ", p->effects[i].index);
+        base_text_add(text, "    %s_emit(surface, payload);\n", p->effects[i].effect->id);
+    }
+    base_text_add(text, "    return payload;\n}\n#endif\n"
+                        "StrataElement strata_event(StrataPayload payload) {\n");
+    for (uint32_t i = 0; i < p->effect_count; ++i) {
+        if (!p->effects[i].active)
+            continue;
+        if (several && p->effects[i].index + 1 < p->active_effects)
+            base_text_add(text, "    if (payload.id == %u.0)\n    ",
+                          p->effects[i].index);
+        base_text_add(text, "    return %s_event(payload);\n", p->effects[i].effect->id);
+    }
+    base_text_add(text, "}\n");
+}
+
+static void add_planes(base_text *text, const plan_payload *payload, const char *access) {
+    for (uint32_t i = 0; i < payload->plane_count; ++i)
+        base_text_add(text,
+                      "layout(std430) %s buffer StrataPayload%u { %s strata_payload%u[]; };\n",
+                      access, i, payload->plane_strides[i] == 8 ? "uvec2" : "uint", i);
+}
+
+/* word = a | b << 8 | ... of the channels that lie in it */
+static void add_store(base_text *text, const plan_payload *payload) {
+    base_text_add(text, "void strata_payload_store(uint slot, StrataPayload payload) {\n"
+                        "    uint words[%u];\n", payload->words + 1);
+    for (uint32_t word = 0; word < payload->words; ++word) {
+        const char *separator = "";
+        base_text_add(text, "    words[%u] = ", word);
+        for (uint32_t f = 0; f < payload->field_count; ++f)
+            for (uint32_t c = 0; c < payload->fields[f].channels; ++c) {
+                const plan_channel *at = &payload->fields[f].at[c];
+                if (at->word != word)
+                    continue;
+                base_text_add(text, "%s(%s(", separator, encoder(at->bits));
+                add_channel(text, &payload->fields[f], c);
+                base_text_add(text, ") << %u)", at->bit);
+                separator = " | ";
+            }
+        base_text_add(text, "%s;\n", *separator ? "" : "0u");
+    }
+    uint32_t word = 0;
+    for (uint32_t i = 0; i < payload->plane_count; ++i) {
+        if (payload->plane_strides[i] == 8)
+            base_text_add(text, "    strata_payload%u[slot] = uvec2(words[%u], words[%u]);\n", i,
+                          word, word + 1);
+        else
+            base_text_add(text, "    strata_payload%u[slot] = words[%u];\n", i, word);
+        word += payload->plane_strides[i] / 4;
+    }
+    base_text_add(text, "}\n");
+}
+
+static void add_load(base_text *text, const plan_payload *payload) {
+    base_text_add(text, "StrataPayload strata_payload_load(uint slot) {\n"
+                        "    StrataPayload payload;\n");
+    for (uint32_t i = 0; i < payload->plane_count; ++i)
+        base_text_add(text, "    %s plane%u = strata_payload%u[slot];\n",
+                      payload->plane_strides[i] == 8 ? "uvec2" : "uint", i, i);
+    for (uint32_t f = 0; f < payload->field_count; ++f)
+        for (uint32_t c = 0; c < payload->fields[f].channels; ++c) {
+            const plan_channel *at = &payload->fields[f].at[c];
+            base_text_add(text, "    ");
+            add_channel(text, &payload->fields[f], c);
+            base_text_add(text, " = %s(plane%u%s", decoder(at->bits), at->plane,
+                          payload->plane_strides[at->plane] == 8 ? (at->part ? ".y" : ".x") : "");
+            if (at->bits < 32)
+                base_text_add(text, " >> %u & 0x%xu", at->bit, (1u << at->bits) - 1u);
+            base_text_add(text, ");\n");
+        }
+    base_text_add(text, "    return payload;\n}\n");
+}
+
+/* Which effect emits for each material, read by strata_emit when there are several. */
+static strata_result bind_materials(render_session *session, base_error *err) {
+    const scene *sc = session->scene;
+    uint32_t *index = base_calloc(sc->material_count, sizeof *index);
+    strata_buffer buffer = {0};
+    strata_result r;
+    if (!index)
+        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "material effects: out of memory");
+    for (uint32_t i = 0; i < sc->material_count; ++i) {
+        const plan_effect *effect = plan_material_effect(session->plan, &sc->materials[i]);
+        index[i] = effect ? effect->index : 0;
+    }
+    r = gpu_buffer_create(session->scope,
+                          &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
+                                                .label = "material effects",
+                                                .size = (uint64_t)sc->material_count * 4,
+                                                .data = index},
+                          &buffer, err);
+    if (r == STRATA_OK)
+        r = gpu_set_global(session->owner->gpu, "StrataMaterialEffects",
+                           &(strata_bind){.struct_size = sizeof(strata_bind),
+                                          .name = "StrataMaterialEffects",
+                                          .buffer = buffer},
+                           err);
+    free(index);
+    return r;
+}
+
+static strata_result set_sources(render_session *session, base_error *err) {
+    for (uint32_t i = 0; i < session->plan->effect_count; ++i) {
+        const plan_effect *planned = &session->plan->effects[i];
+        const strata_effect *effect = NULL;
+        char name[96];
+        if (!planned->active)
+            continue;
+        strata_result r = modules_open_effect(session->owner->modules, planned->effect->id, &effect, err);
+        if (r == STRATA_OK) {
+            snprintf(name, sizeof name, "effects/%s.glsl", planned->effect->id);
+            r = gpu_set_include(session->owner->gpu, name, effect->glsl->text, err);
+        }
+        if (r != STRATA_OK)
+            return r;
+    }
+    return STRATA_OK;
+}
+
+strata_result render_effects(render_session *session, base_error *err) {
+    const plan *p = session->plan;
+    gpu *g = session->owner->gpu;
+    base_text text = {0};
+    char layout[16], channels[16];
+    if (!p->transparent)
+        return gpu_set_include(g, "strata/effects.glsl", NULL, err);
+    snprintf(layout, sizeof layout, "%u", p->layout);
+    snprintf(channels, sizeof channels, "%u", p->transmittance_channels);
+    add_structs(&text, p);
+    add_calls(&text, p);
+    base_text_add(&text, "#ifdef STRATA_PAYLOAD_WRITE\n");
+    add_planes(&text, &p->payload, "writeonly");
+    add_store(&text, &p->payload);
+    base_text_add(&text, "#endif\n#ifdef STRATA_PAYLOAD_READ\n");
+    add_planes(&text, &p->payload, "readonly");
+    add_load(&text, &p->payload);
+    base_text_add(&text, "#endif\n#endif\n");
+
+    strata_result r = text.failed ? base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY,
+                                              "effect header: out of memory")
+                                  : STRATA_OK;
+    if (r == STRATA_OK)
+        r = gpu_set_define(g, "STRATA_LAYOUT", layout, err);
+    if (r == STRATA_OK)
+        r = gpu_set_define(g, "STRATA_CHANNELS", channels, err);
+    if (r == STRATA_OK)
+        r = set_sources(session, err);
+    if (r == STRATA_OK)
+        r = gpu_set_include(g, "strata/effects.glsl", text.data, err);
+    if (r == STRATA_OK && p->active_effects > 1)
+        r = bind_materials(session, err);
+    base_text_free(&text);
+    return r;
+}

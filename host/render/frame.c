@@ -1,0 +1,330 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * One frame: the opaque part once (in rounds), the transparent part band by band, each verified; and
+ * again while something overflowed or was learned. Stands between plan and fragments.
+ */
+#include "render/render.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_ATTEMPTS 64u
+#define POOL_STEP 256u /* elements that capacities are rounded up to */
+
+/* ---- strata_frame: what a technique may do while it records or verifies ----------------------------- */
+
+static void frame_pass(void *self, const strata_pass *pass) {
+    const render_technique *t = self;
+    gpu_pass(t->session->owner->gpu, t->planned->technique->id, pass);
+}
+
+static void frame_fill(void *self, strata_buffer buffer, uint64_t offset, uint64_t size,
+                       uint32_t value) {
+    const render_technique *t = self;
+    gpu_fill(t->session->owner->gpu, t->planned->technique->id, buffer, offset, size, value);
+}
+
+static void frame_copy(void *self, strata_buffer to, uint64_t to_offset, strata_buffer from,
+                       uint64_t from_offset, uint64_t size) {
+    const render_technique *t = self;
+    gpu_copy(t->session->owner->gpu, t->planned->technique->id, to, to_offset, from, from_offset,
+             size);
+}
+
+static strata_result frame_read(void *self, strata_buffer buffer, uint64_t offset, uint64_t size,
+                                void *data) {
+    render_technique *t = self;
+    gpu *g = t->session->owner->gpu;
+    if (!t->verifying) {
+        strata_result r = gpu_submit(g, &t->error);
+        if (r != STRATA_OK)
+            return r;
+        t->session->owner->result.stalls++;
+    }
+    return gpu_buffer_read(g, buffer, offset, size, data, &t->error);
+}
+
+static uint64_t frame_needed(void *self, strata_pool pool) {
+    render_technique *t = self;
+    uint64_t needed = 0;
+    return gpu_pool_needed(t->session->owner->gpu, pool, &needed, &t->error) == STRATA_OK ? needed
+                                                                                         : 0;
+}
+
+static void frame_report(void *self, uint32_t what, uint64_t value) {
+    render_report *report = &((render_technique *)self)->session->report;
+    if (what < STRATA_REPORT_FRAGMENTS_TOTAL || what > STRATA_REPORT_MAX_PER_PIXEL)
+        return;
+    report->known |= 1u << what;
+    if (what == STRATA_REPORT_FRAGMENTS_TOTAL)
+        report->total += value;
+    else if (what == STRATA_REPORT_FRAGMENTS_KEPT)
+        report->kept += value;
+    else if (what == STRATA_REPORT_FRAGMENTS_DROPPED)
+        report->dropped += value;
+    else if (value > report->largest)
+        report->largest = value;
+}
+
+static void frame_failed(void *self, strata_result result, const char *text) {
+    render_technique *t = self;
+    base_fail(&t->error, result < 0 ? result : STRATA_ERROR_MODULE, "%s", text);
+    if (!t->verifying)
+        gpu_frame_fail(t->session->owner->gpu, t->planned->technique->id, t->error.result, text);
+}
+
+static strata_frame make_frame(render_technique *t, uint32_t band, uint32_t round) {
+    const render_session *session = t->session;
+    const render_rect *rect = &session->bands[band];
+    return (strata_frame){.struct_size = sizeof(strata_frame),
+                          .round = round,
+                          .self = t,
+                          .width = session->width,
+                          .height = session->height,
+                          .band = band,
+                          .band_count = session->band_count,
+                          .x = rect->x,
+                          .y = rect->y,
+                          .band_width = rect->width,
+                          .band_height = rect->height,
+                          .index = session->frame_index,
+                          .attempt = session->attempt,
+                          .gpu = &t->gpu,
+                          .pass = frame_pass,
+                          .fill = frame_fill,
+                          .copy = frame_copy,
+                          .read = frame_read,
+                          .needed = frame_needed,
+                          .report = frame_report,
+                          .fail = frame_failed};
+}
+
+/* ---- the frame block -------------------------------------------------------------------------------- */
+
+static strata_result write_block(render_session *session, const scene_view *view,
+                                 const strata_render_options *options, const render_rect *rect,
+                                 base_error *err) {
+    const upload_counts counts = upload_count(session->upload);
+    render_frame_block block = {
+        .frame_size = {session->width, session->height, 1, (uint32_t)session->frame_index},
+        .band = {rect->x, rect->y, rect->width, rect->height},
+        .counts = {counts.lights, counts.materials, counts.records, counts.textures}};
+    memcpy(block.world_to_clip, view->world_to_clip, sizeof block.world_to_clip);
+    memcpy(block.world_to_eye, view->world_to_eye, sizeof block.world_to_eye);
+    memcpy(block.clip_to_world, view->clip_to_world, sizeof block.clip_to_world);
+    memcpy(block.eye, view->eye, sizeof block.eye);
+    memcpy(block.background, options->background, sizeof block.background);
+    upload_ambient(block.ambient);
+    return gpu_buffer_write(session->owner->gpu, session->frame_block, 0, sizeof block, &block, err);
+}
+
+/* ---- recording and verifying -------------------------------------------------------------------------- */
+
+static int is_opaque_stage(const render_technique *t) {
+    return strcmp(t->planned->technique->stage, "draws") == 0 ||
+           strcmp(t->planned->technique->stage, "surface") == 0;
+}
+
+/* Records the techniques of one half of the frame and submits. */
+static strata_result record_techniques(render_session *session, int opaque, uint32_t band,
+                                       const char **failed, base_error *err) {
+    gpu *g = session->owner->gpu;
+    strata_result r = STRATA_OK;
+    for (uint32_t i = 0; i < session->technique_count && r == STRATA_OK; ++i) {
+        render_technique *t = &session->techniques[i];
+        if (is_opaque_stage(t) != opaque)
+            continue;
+        const strata_frame frame = make_frame(t, band, 0);
+        t->error = (base_error){0};
+        t->technique->record(t->state, &frame);
+        if (gpu_frame_error(g)->result != STRATA_OK)
+            *failed = t->planned->technique->id;
+        if (session->careful || *failed)
+            r = gpu_submit(g, err);
+        if (r != STRATA_OK)
+            *failed = t->planned->technique->id;
+    }
+    return r == STRATA_OK ? gpu_submit(g, err) : r;
+}
+
+static strata_result record_opaque(render_session *session, const scene_view *view,
+                                   const strata_render_options *options, const char **failed,
+                                   base_error *err) {
+    gpu *g = session->owner->gpu;
+    const render_rect whole = {0, 0, session->width, session->height};
+    const float far[4] = {0, 0, 0, 0};
+    strata_result r = write_block(session, view, options, &whole, err);
+    if (r != STRATA_OK)
+        return r;
+    gpu_begin(g, session->width, session->height);
+    gpu_clear_image(g, "host", session->color, options->background);
+    gpu_clear_image(g, "host", session->depth, far);
+    r = record_techniques(session, 1, 0, failed, err);
+    return r == STRATA_OK ? render_account_passes(session->owner, err) : r;
+}
+
+/* A pool that was too small: what its bands asked for, most. */
+typedef struct shortage {
+    uint64_t needed[RENDER_MAX_POOLS];
+} shortage;
+
+static strata_result verify_band(render_session *session, uint32_t band, shortage *short_of,
+                                 int *again, const char **failed, base_error *err) {
+    gpu *g = session->owner->gpu;
+    for (uint32_t i = 0; i < session->technique_count; ++i) {
+        render_technique *t = &session->techniques[i];
+        if (is_opaque_stage(t) && band > 0)
+            continue;
+        for (uint32_t p = 0; p < t->pool_count; ++p) {
+            uint64_t needed = 0;
+            strata_result r = gpu_pool_needed(g, t->pools[p], &needed, err);
+            if (r != STRATA_OK)
+                return r;
+            if (needed > gpu_pool_capacity(g, t->pools[p]) && needed > short_of[i].needed[p]) {
+                short_of[i].needed[p] = needed;
+                *again = 1;
+            }
+        }
+        if (!t->technique->verify)
+            continue;
+        const strata_frame frame = make_frame(t, band, 0);
+        t->error = (base_error){0};
+        t->verifying = 1;
+        strata_result r = t->technique->verify(t->state, &frame);
+        t->verifying = 0;
+        if (t->error.result != STRATA_OK)
+            r = t->error.result;
+        if (r == STRATA_RETRY) {
+            *again = 1;
+        } else if (r != STRATA_OK) {
+            *failed = t->planned->technique->id;
+            return base_fail(err, r < 0 ? r : STRATA_ERROR_MODULE, "%s: %s", *failed,
+                             t->error.text[0] ? t->error.text : "verify failed");
+        }
+    }
+    return STRATA_OK;
+}
+
+static strata_result record_bands(render_session *session, const scene_view *view,
+                                  const strata_render_options *options, shortage *short_of,
+                                  int *again, const char **failed, base_error *err) {
+    gpu *g = session->owner->gpu;
+    strata *s = session->owner;
+    for (uint32_t band = 0; band < session->band_count; ++band) {
+        const render_rect *rect = &session->bands[band];
+        strata_result r = write_block(session, view, options, rect, err);
+        if (r != STRATA_OK)
+            return r;
+        gpu_begin(g, session->width, session->height);
+        gpu_rectangle(g, rect->x, rect->y, rect->width, rect->height);
+        r = record_techniques(session, 0, band, failed, err);
+        if (r == STRATA_OK)
+            r = verify_band(session, band, short_of, again, failed, err);
+        if (r == STRATA_OK)
+            r = render_account_passes(s, err);
+        if (r == STRATA_OK && (options->outputs & STRATA_OUTPUT_DEEP) && !*again)
+            r = render_deep_band(session, rect, err);
+        if (r != STRATA_OK)
+            return r;
+        if (options->progress && session->band_count > 1 &&
+            options->progress(options->user, (band + 1.0) / session->band_count) != STRATA_OK)
+            return base_fail(err, STRATA_ERROR_CANCELLED, "cancelled");
+    }
+    return STRATA_OK;
+}
+
+/* ---- growing, or splitting into bands ------------------------------------------------------------------ */
+
+/* First exactly what is needed, later a quarter more, so that a moving camera does not retry for ever. */
+static uint64_t grown(const render_technique *t, uint32_t pool, uint64_t needed) {
+    if (t->pool_grown[pool] > 0)
+        needed += needed / 4;
+    return (needed + POOL_STEP - 1) / POOL_STEP * POOL_STEP;
+}
+
+/* Elements that a pool may have: by storage range, and by the memory that techniques may take. */
+static uint64_t room(const render_session *session, strata_pool pool) {
+    const gpu *g = session->owner->gpu;
+    uint64_t most = gpu_pool_limit(g, pool);
+    if (session->owner->memory) {
+        const uint64_t element = gpu_pool_element_bytes(g, pool);
+        uint64_t used = gpu_bytes(g, NULL) - gpu_bytes(g, "scene") -
+                        gpu_pool_capacity(g, pool) * element;
+        const uint64_t left = session->owner->memory > used ? session->owner->memory - used : 0;
+        if (left / element < most)
+            most = left / element;
+    }
+    return most;
+}
+
+static strata_result split(render_session *session, uint64_t needed, uint64_t most, base_error *err) {
+    if (most == 0)
+        return base_fail(err, STRATA_ERROR_OUT_OF_DEVICE_MEMORY,
+                         "the memory allowed holds not even one band of the frame");
+    const uint64_t factor = needed / most + 1;
+    const uint64_t count = factor * session->band_count;
+    if ((session->band_width == 1 && session->band_height == 1) || count > RENDER_MAX_BANDS)
+        return base_fail(err, STRATA_ERROR_OUT_OF_DEVICE_MEMORY,
+                         "one pixel's fragments exceed the memory or storage range allowed");
+    return render_bands(session, (uint32_t)count, err);
+}
+
+static strata_result make_room(render_session *session, const shortage *short_of, base_error *err) {
+    gpu *g = session->owner->gpu;
+    for (uint32_t i = 0; i < session->technique_count; ++i) {
+        render_technique *t = &session->techniques[i];
+        for (uint32_t p = 0; p < t->pool_count; ++p) {
+            const uint64_t needed = short_of[i].needed[p];
+            if (needed == 0)
+                continue;
+            const uint64_t most = room(session, t->pools[p]);
+            if (needed > most)
+                return split(session, needed, most, err);
+            uint64_t capacity = grown(t, p, needed);
+            capacity = capacity < most ? capacity : most;
+            base_error grow_error = {0};
+            if (gpu_pool_grow(g, t->pools[p], capacity, &grow_error) ==
+                STRATA_ERROR_OUT_OF_DEVICE_MEMORY)
+                return split(session, needed, needed / 2 + 1, err);
+            if (grow_error.result != STRATA_OK)
+                return base_fail(err, grow_error.result, "%s", grow_error.text);
+            t->pool_grown[p]++;
+        }
+    }
+    return STRATA_OK;
+}
+
+strata_result render_frame(render_session *session, const scene_view *view,
+                           const strata_render_options *options, const char **failed,
+                           base_error *err) {
+    shortage *short_of = base_calloc(session->technique_count + 1, sizeof *short_of);
+    strata_result r = short_of ? STRATA_OK : STRATA_ERROR_OUT_OF_HOST_MEMORY;
+    int again = 1;
+    *failed = NULL;
+    if (!short_of)
+        return base_fail(err, r, "frame: out of memory");
+    for (session->attempt = 0; again && r == STRATA_OK; session->attempt++) {
+        if (session->attempt == MAX_ATTEMPTS) {
+            r = base_fail(err, STRATA_ERROR_OVERFLOW, "the frame was recorded %u times in vain",
+                          MAX_ATTEMPTS);
+            break;
+        }
+        again = 0;
+        memset(short_of, 0, (session->technique_count + 1) * sizeof *short_of);
+        session->report = (render_report){0};
+        session->owner->result.pass_count = 0;
+        r = render_session_prepare(session, failed, err);
+        if (r == STRATA_OK)
+            r = record_opaque(session, view, options, failed, err);
+        if (r == STRATA_OK && (options->outputs & STRATA_OUTPUT_DEEP))
+            r = render_deep_begin(session, err);
+        if (r == STRATA_OK)
+            r = record_bands(session, view, options, short_of, &again, failed, err);
+        if (r == STRATA_OK && again)
+            r = make_room(session, short_of, err);
+        session->owner->result.retries += again ? 1u : 0u;
+    }
+    session->frame_index++;
+    free(short_of);
+    return r;
+}

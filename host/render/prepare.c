@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * From a scene and what the user asked for to a session that can render it: demand, estimate, plan;
+ * and whether the session at hand still fits.
+ */
+#include "render/render.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void render_warn(strata *s, const char *format, ...) {
+    va_list arguments;
+    char line[512];
+    va_start(arguments, format);
+    vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    base_log(BASE_LOG_WARNING, "%s", line);
+    char **warnings = base_realloc(s->result.warnings, (size_t)s->result.warning_count + 1,
+                                   sizeof *warnings);
+    if (!warnings)
+        return;
+    s->result.warnings = warnings;
+    warnings[s->result.warning_count] = base_strdup(line);
+    s->result.warning_count += warnings[s->result.warning_count] != NULL;
+}
+
+strata_result render_modules(strata *s, base_error *err) {
+    return s->modules ? STRATA_OK : modules_scan(s->module_path, &s->modules, err);
+}
+
+strata_result render_device(strata *s, base_error *err) {
+    if (s->gpu)
+        return STRATA_OK;
+    const gpu_open_info info = {.backend = s->backend,
+                                .device = s->device,
+                                .cache_dir = s->cache_dir,
+                                .check = (int)s->check,
+                                .profile = 1,
+                                .inject = s->losses ? NULL : s->inject};
+    strata_result r = gpu_open(&info, &s->gpu, err);
+    if (r == STRATA_OK)
+        gpu_describe(s->gpu, &s->device_info);
+    return r;
+}
+
+strata_result render_exclude(strata *s, const char *technique, const char *reason,
+                             base_error *err) {
+    plan_exclusion *exclusions =
+        base_realloc(s->exclusions, (size_t)s->exclusion_count + 1, sizeof *exclusions);
+    if (!exclusions)
+        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "exclusions: out of memory");
+    s->exclusions = exclusions;
+    plan_exclusion *added = &exclusions[s->exclusion_count];
+    *added = (plan_exclusion){.technique = base_strdup(technique), .reason = base_strdup(reason)};
+    if (!added->technique || !added->reason) {
+        free((void *)(uintptr_t)added->technique);
+        free((void *)(uintptr_t)added->reason);
+        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "exclusions: out of memory");
+    }
+    s->exclusion_count++;
+    render_warn(s, "%s is left out: %s", technique, reason);
+    return STRATA_OK;
+}
+
+/* ---- the plan --------------------------------------------------------------------------------------- */
+
+static uint64_t device_fact(void *user, const char *id) {
+    return gpu_fact(((strata *)user)->gpu, id);
+}
+
+static const modules_note **notes_of(const strata *s) {
+    const uint32_t count = modules_count(s->modules);
+    const modules_note **notes = base_calloc((size_t)count + 1, sizeof *notes);
+    for (uint32_t i = 0; notes && i < count; ++i)
+        notes[i] = modules_note_at(s->modules, i);
+    return notes;
+}
+
+static strata_result estimate(plan_input *input, scene *sc, const scene_view *view,
+                              strata_scene_stats *stats, const strata_render_options *options,
+                              base_error *err) {
+    estimate_view seen = {.width = options->width, .height = options->height};
+    unsigned char *transparent = base_calloc((size_t)sc->material_count + 1, 1);
+    if (!transparent)
+        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "estimate: out of memory");
+    memcpy(seen.world_to_clip, view->world_to_clip, sizeof seen.world_to_clip);
+    strata_result r = plan_transparent_materials(input, sc, transparent, err);
+    if (r == STRATA_OK)
+        r = estimate_stats(sc, &seen, transparent, stats, err);
+    free(transparent);
+    return r;
+}
+
+strata_result render_plan(strata *s, scene *sc, const strata_render_options *options, plan **out,
+                          scene_view *view, base_error *err) {
+    demand wants;
+    strata_scene_stats stats = {.struct_size = sizeof stats};
+    plan_input input = {.demand = &wants,
+                        .stats = &stats,
+                        .fact = s->gpu ? device_fact : NULL,
+                        .user = s,
+                        .use = options->use,
+                        .effects = options->effects,
+                        .settings = options->settings,
+                        .setting_count = options->setting_count,
+                        .exclusions = s->exclusions,
+                        .exclusion_count = s->exclusion_count,
+                        .samples = options->samples,
+                        .need_fragments = (options->outputs & STRATA_OUTPUT_DEEP) != 0,
+                        .tolerance = options->tolerance,
+                        .memory = s->memory};
+    const modules_note **notes = NULL;
+    strata_result r = render_modules(s, err);
+    if (r == STRATA_OK)
+        r = scene_view_make(sc, options->camera, 0, options->width, options->height, view, err);
+    if (r == STRATA_OK)
+        r = demand_make(sc, &wants, err);
+    if (r != STRATA_OK)
+        return r;
+    notes = notes_of(s);
+    if (!notes)
+        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "plan: out of memory");
+    input.modules = notes;
+    input.module_count = modules_count(s->modules);
+    r = estimate(&input, sc, view, &stats, options, err);
+    if (r == STRATA_OK)
+        r = plan_make(&input, out, err);
+    free(notes);
+    return r;
+}
+
+/* ---- whether the session still fits -------------------------------------------------------------------- */
+
+/* What of a plan the techniques were prepared for; costs and reasons do not matter. */
+static char *plan_key(const plan *p) {
+    base_text text = {0};
+    for (uint32_t i = 0; i < p->technique_count; ++i) {
+        base_text_add(&text, "%s", p->techniques[i].technique->id);
+        for (uint32_t k = 0; k < p->techniques[i].settings.count; ++k)
+            base_text_add(&text, " %a", p->techniques[i].settings.values[k]);
+        base_text_add(&text, "\n");
+    }
+    for (uint32_t i = 0; i < p->effect_count; ++i)
+        if (p->effects[i].active)
+            base_text_add(&text, "+%s", p->effects[i].effect->id);
+    base_text_add(&text, ".");
+    if (text.failed) {
+        base_text_free(&text);
+        return NULL;
+    }
+    return text.data;
+}
+
+static int fits(const render_session *session, const scene *sc,
+                const strata_render_options *options, const char *key) {
+    return session && session->scene == sc && session->width == options->width &&
+           session->height == options->height && session->shuffle == options->shuffle &&
+           strcmp(session->plan_text, key) == 0;
+}
+
+/* A session that fits keeps its own, equal plan and follows the scene's edits. */
+static strata_result refresh(render_session *session, const strata_render_options *options,
+                             base_error *err) {
+    strata_result r = STRATA_OK;
+    if (session->scene_revision != session->scene->revision) {
+        r = upload_update(session->upload, session->scene, err);
+        session->scene_revision = session->scene->revision;
+        session->changed |= STRATA_CHANGED_SCENE;
+        session->prepared = 0;
+    }
+    if (r == STRATA_OK && options->bands > session->band_count)
+        r = render_bands(session, options->bands, err);
+    return r;
+}
+
+strata_result render_session_open(strata *s, scene *sc, const strata_render_options *options,
+                                  plan *p, base_error *err) {
+    char *key = plan_key(p);
+    strata_result r;
+    if (!key) {
+        plan_free(p);
+        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "plan: out of memory");
+    }
+    if (fits(s->session, sc, options, key)) {
+        r = refresh(s->session, options, err);
+        plan_free(p);
+        free(key);
+        return r;
+    }
+    render_session_free(s->session);
+    s->session = NULL;
+    r = render_session_create(s, sc, options, p, &s->session, err);
+    if (s->session)
+        s->session->plan_text = key;
+    else
+        free(key);
+    if (r != STRATA_OK) {
+        render_session_free(s->session);
+        s->session = NULL;
+    }
+    return r;
+}

@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * strata_render and the outputs: options with their defaults, the frames, the image read back; a
+ * module that fails is left out and the plan made again, a lost device is replaced.
+ */
+#include "render/render.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_REPLANS 16u
+
+strata_result render_options(const strata_render_options *given, strata_render_options *options,
+                             base_error *err) {
+    *options = (strata_render_options){.struct_size = sizeof *options};
+    if (given && given->struct_size < sizeof(uint32_t))
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "struct_size is not set");
+    if (given)
+        memcpy(options, given,
+               given->struct_size < sizeof *options ? given->struct_size : sizeof *options);
+    options->struct_size = sizeof *options;
+    if (options->width == 0)
+        options->width = 800;
+    if (options->height == 0)
+        options->height = 600;
+    if (options->width > IMAGE_MAX_SIDE || options->height > IMAGE_MAX_SIDE ||
+        (uint64_t)options->width * options->height > IMAGE_MAX_PIXELS)
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "size %ux%u is too large",
+                         options->width, options->height);
+    if (options->repeat == 0)
+        options->repeat = 1;
+    if (!options->has_background) {
+        const float gray[4] = {0.2f, 0.2f, 0.2f, 1.0f};
+        memcpy(options->background, gray, sizeof gray);
+    }
+    for (int i = 0; i < 4; ++i)
+        if (!isfinite(options->background[i]))
+            return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "background is not finite");
+    if (options->samples > 1)
+        return base_fail(err, STRATA_ERROR_UNSUPPORTED,
+                         "samples: no installed technique filters sub-pixels");
+    if (options->outputs & STRATA_OUTPUT_BOUND)
+        return base_fail(err, STRATA_ERROR_UNSUPPORTED,
+                         "bound: no installed technique certifies its error");
+    return STRATA_OK;
+}
+
+/* ---- reading back ------------------------------------------------------------------------------------ */
+
+static strata_result read_depth(strata *s, base_error *err) {
+    render_session *session = s->session;
+    const size_t count = (size_t)session->width * session->height;
+    float *raw = base_calloc(count, sizeof *raw);
+    if (!raw)
+        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "depth: out of memory");
+    strata_result r = image_create(session->width, session->height, &s->result.depth, err);
+    if (r == STRATA_OK)
+        r = gpu_image_read(s->gpu, session->depth, 0, raw, count * sizeof *raw, err);
+    for (size_t i = 0; i < count && r == STRATA_OK; ++i) {
+        const float distance =
+            raw[i] > 0 ? (float)scene_view_distance(&s->result.view, raw[i]) : INFINITY;
+        for (int c = 0; c < 3; ++c)
+            s->result.depth.pixels[4 * i + (size_t)c] = distance;
+        s->result.depth.pixels[4 * i + 3] = 1;
+    }
+    s->result.has_depth = r == STRATA_OK;
+    free(raw);
+    return r;
+}
+
+static strata_result read_back(strata *s, const strata_render_options *options, base_error *err) {
+    render_session *session = s->session;
+    render_result *result = &s->result;
+    strata_result r = image_create(session->width, session->height, &result->color, err);
+    if (r == STRATA_OK)
+        r = gpu_image_read(s->gpu, session->color, 0, result->color.pixels,
+                           (size_t)session->width * session->height * 4 * sizeof(float), err);
+    if (r == STRATA_OK && (options->outputs & STRATA_OUTPUT_DEPTH))
+        r = read_depth(s, err);
+    result->has_deep = r == STRATA_OK && (options->outputs & STRATA_OUTPUT_DEEP) != 0;
+    if (result->has_deep)
+        result->deep = render_deep_image(session);
+    return r;
+}
+
+/* ---- frames ------------------------------------------------------------------------------------------ */
+
+static strata_result render_frames(strata *s, const strata_render_options *options,
+                                   const char **failed, base_error *err) {
+    render_result *result = &s->result;
+    result->frame_count = 0;
+    for (uint32_t i = 0; i < options->repeat; ++i) {
+        const double begin = base_now_ms();
+        strata_result r = scene_view_make(s->session->scene, options->camera, options->turn * i,
+                                          options->width, options->height, &result->view, err);
+        if (r == STRATA_OK && i == 0)
+            r = upload_set_key_light(s->session->upload, &result->view, err);
+        if (r == STRATA_OK)
+            r = render_frame(s->session, &result->view, options, failed, err);
+        if (r != STRATA_OK)
+            return r;
+        result->frame_ms[result->frame_count++] = base_now_ms() - begin;
+        if (options->progress &&
+            options->progress(options->user, (i + 1.0) / options->repeat) != STRATA_OK)
+            return base_fail(err, STRATA_ERROR_CANCELLED, "cancelled");
+    }
+    result->bands = s->session->band_count;
+    result->report = s->session->report;
+    return STRATA_OK;
+}
+
+/* Ends everything that lives on the device, so that the next attempt opens a new one. */
+static void drop_device(strata *s) {
+    render_session_free(s->session);
+    s->session = NULL;
+    gpu_close(s->gpu);
+    s->gpu = NULL;
+}
+
+static strata_result attempt(strata *s, scene *sc, const strata_render_options *options,
+                             const char **failed, base_error *err) {
+    plan *p = NULL;
+    *failed = NULL;
+    strata_result r = render_device(s, err);
+    if (r == STRATA_OK)
+        r = render_plan(s, sc, options, &p, &s->result.view, err);
+    if (r == STRATA_OK)
+        r = render_session_open(s, sc, options, p, err);
+    if (r != STRATA_OK)
+        return r;
+    s->session->careful = s->losses > 0;
+    return render_frames(s, options, failed, err);
+}
+
+/* Whether another plan or device may succeed after this failure; excludes the culprit. */
+static int recoverable(strata *s, strata_result r, const char *failed, const base_error *err) {
+    base_error ignored = {0};
+    if (r == STRATA_ERROR_DEVICE_LOST) {
+        s->losses++;
+        if (s->losses > 1 && (!failed || render_exclude(s, failed, "the device was lost twice in its "
+                                                                   "passes", &ignored) != STRATA_OK))
+            return 0;
+        if (s->losses == 1)
+            render_warn(s, "the device was lost and is replaced");
+        drop_device(s);
+        return 1;
+    }
+    if (!failed || r == STRATA_ERROR_CANCELLED || r == STRATA_ERROR_OUT_OF_HOST_MEMORY ||
+        r == STRATA_ERROR_OVERFLOW)
+        return 0;
+    r = render_exclude(s, failed, err->text, &ignored);
+    render_session_free(s->session);
+    s->session = NULL;
+    return r == STRATA_OK;
+}
+
+strata_result strata_render(strata *s, strata_scene *sc, const strata_render_options *given) {
+    strata_render_options options;
+    base_error err = {0};
+    s->error = (base_error){0};
+    render_result_clear(&s->result);
+    strata_result r = render_options(given, &options, &s->error);
+    if (r != STRATA_OK)
+        return r;
+    s->result.outputs = options.outputs | STRATA_OUTPUT_COLOR;
+    s->result.width = options.width;
+    s->result.height = options.height;
+    s->result.scene_path = base_strdup(sc->scene->path ? sc->scene->path : "");
+    s->result.frame_ms = base_calloc(options.repeat, sizeof *s->result.frame_ms);
+    if (!s->result.frame_ms || !s->result.scene_path)
+        return base_fail(&s->error, STRATA_ERROR_OUT_OF_HOST_MEMORY, "out of memory");
+
+    base_error first = {0};
+    for (uint32_t i = 0; i < MAX_REPLANS; ++i) {
+        const char *failed = NULL;
+        err = (base_error){0};
+        r = attempt(s, sc->scene, &options, &failed, &err);
+        if (r == STRATA_OK || !recoverable(s, r, failed, &err))
+            break;
+        if (first.result == STRATA_OK)
+            first = err;
+    }
+    if (r == STRATA_OK)
+        r = read_back(s, &options, &err);
+    s->result.valid = r == STRATA_OK;
+    if (r != STRATA_OK) /* what went wrong first explains more than that no plan was left */
+        base_fail(&s->error, first.result != STRATA_OK ? first.result : r, "%s",
+                  first.result != STRATA_OK ? first.text : err.text);
+    return s->error.result;
+}
+
+/* ---- outputs ----------------------------------------------------------------------------------------- */
+
+static const image *output_image(const strata *s, uint32_t output) {
+    if (!s->result.valid)
+        return NULL;
+    if (output == STRATA_OUTPUT_COLOR)
+        return &s->result.color;
+    return output == STRATA_OUTPUT_DEPTH && s->result.has_depth ? &s->result.depth : NULL;
+}
+
+strata_result strata_size(const strata *s, uint32_t *width, uint32_t *height) {
+    if (!s->result.valid)
+        return STRATA_ERROR_INVALID_STATE;
+    *width = s->result.width;
+    *height = s->result.height;
+    return STRATA_OK;
+}
+
+strata_result strata_read(strata *s, uint32_t output, float *pixels, size_t size) {
+    s->error = (base_error){0};
+    const image *im = output_image(s, output);
+    if (!im)
+        return base_fail(&s->error, STRATA_ERROR_INVALID_STATE, "no such output was rendered");
+    const size_t row = (size_t)im->width * 4;
+    if (size != row * im->height * sizeof(float))
+        return base_fail(&s->error, STRATA_ERROR_INVALID_ARGUMENT, "the output has %zu bytes, not %zu",
+                         row * im->height * sizeof(float), size);
+    for (uint32_t y = 0; y < im->height; ++y)
+        memcpy(pixels + row * y, im->pixels + row * (im->height - 1 - y), row * sizeof(float));
+    return STRATA_OK;
+}
+
+strata_result strata_save(strata *s, uint32_t output, const char *path) {
+    s->error = (base_error){0};
+    if (output == STRATA_OUTPUT_DEEP && s->result.valid && s->result.has_deep)
+        return image_write_deep_exr(&s->result.deep, path, &s->error);
+    const image *im = output_image(s, output);
+    if (!im)
+        return base_fail(&s->error, STRATA_ERROR_INVALID_STATE, "no such output was rendered");
+    return image_write(im, path, &s->error);
+}

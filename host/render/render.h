@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * From a plan to an image: the instance behind strata/host.h, the session that keeps techniques alive
+ * between frames, and the frame's loops (rounds, bands, retries). Holds no rendering algorithm.
+ *
+ *     api.c       strata/host.h: instances, scenes, texts
+ *     render.c    strata/host.h: rendering and outputs
+ *     prepare.c   scene -> demand -> plan -> session
+ *     session.c   techniques: create, prepare, destroy; what they see of the host
+ *     frame.c     record, verify, retry
+ *     effects.c   the generated effect header
+ *     deep.c      fragments as elements, for deep images
+ *     account.c   what it cost
+ */
+#ifndef STRATA_HOST_RENDER_H
+#define STRATA_HOST_RENDER_H
+
+#include "gpu/gpu.h"
+#include "image/image.h"
+#include "modules/modules.h"
+#include "plan/estimate.h"
+#include "plan/plan.h"
+#include "scene/camera.h"
+#include "scene/scene.h"
+#include "scene/upload.h"
+#include "strata/host.h"
+
+#define RENDER_MAX_POOLS 16u
+#define RENDER_MAX_BANDS 65536u
+
+struct strata_scene {
+    strata *owner;
+    scene *scene;
+    struct strata_scene *next; /* in the owner's list */
+};
+
+typedef struct render_rect {
+    uint32_t x, y, width, height;
+} render_rect;
+
+/* Mirrors StrataFrame in shaders/strata/frame.glsl (std140). */
+typedef struct render_frame_block {
+    float world_to_clip[16], world_to_eye[16], clip_to_world[16];
+    float eye[4], background[4];
+    uint32_t frame_size[4]; /* width, height, samples, index */
+    uint32_t band[4];
+    float ambient[9][4];
+    uint32_t counts[4]; /* lights, materials, records, textures */
+} render_frame_block;
+
+struct render_session;
+
+/* One technique of the session. The tables that it is handed have this as `self`. */
+typedef struct render_technique {
+    struct render_session *session;
+    const plan_technique *planned;
+    const strata_technique *technique;
+    void *state;
+    strata_gpu gpu;
+    strata_host host;
+    gpu_scope *create_scope, *prepare_scope;
+    gpu_scope *scope; /* where creation goes now; NULL: creation is not allowed */
+    strata_pool pools[RENDER_MAX_POOLS];
+    char pool_labels[RENDER_MAX_POOLS][32];
+    uint64_t pool_capacity[RENDER_MAX_POOLS]; /* to begin with after the next prepare, by label */
+    uint32_t pool_grown[RENDER_MAX_POOLS];    /* times */
+    uint32_t pool_count;
+    uint32_t created; /* create() was called: destroy() is due */
+    uint32_t verifying;
+    base_error error;
+} render_technique;
+
+typedef struct render_report {
+    uint64_t total, kept, dropped, largest;
+    uint32_t known; /* bit 1 << STRATA_REPORT_* */
+} render_report;
+
+/* Everything that lives as long as the plan, the scene, the size and the device stay the same. */
+typedef struct render_session {
+    strata *owner;
+    scene *scene;
+    uint64_t scene_revision;
+    uint32_t width, height, shuffle;
+    uint32_t careful; /* submit after each technique, to learn which one loses the device */
+    plan *plan;
+    char *plan_text; /* its JSON, compared to see whether it changed */
+    upload *upload;
+    gpu_scope *scope;
+    strata_image color, depth, limit;
+    strata_buffer frame_block;
+    strata_fragments fragments;
+    uint32_t has_fragments;
+    render_technique *techniques;
+    uint32_t technique_count;
+    render_rect *bands;
+    uint32_t band_count, band_width, band_height;
+    uint32_t prepared; /* 0: prepare() is due */
+    uint32_t changed;  /* STRATA_CHANGED_* for it */
+    uint64_t frame_index;
+    uint32_t attempt;
+    strata_program deep_program; /* made when the first deep image is asked for */
+    strata_buffer deep_elements;
+    render_report report;
+    strata_scene_stats stats;
+} render_session;
+
+typedef struct render_pass_time {
+    char label[64], owner[32];
+    double gpu_ms, cpu_ms;
+} render_pass_time;
+
+/* A deep image while its bands come in; see image_deep. */
+typedef struct render_deep {
+    uint64_t *offset;
+    uint32_t *count;
+    float *depth, *color, *color_alpha; /* color_alpha: coloured transmission only */
+    float *opaque;                      /* color/1 before anything transparent was folded */
+    uint64_t samples;
+    size_t capacity;
+} render_deep;
+
+/* What the last render did, for the account and the outputs. */
+typedef struct render_result {
+    uint32_t valid, width, height, outputs;
+    scene_view view;
+    image color, depth;
+    render_deep deep_build;
+    image_deep deep;
+    uint32_t has_depth, has_deep;
+    double *frame_ms;
+    uint32_t frame_count;
+    render_pass_time *passes;
+    uint32_t pass_count;
+    uint32_t retries, bands, stalls;
+    render_report report;
+    char **warnings;
+    uint32_t warning_count;
+    char *scene_path;
+} render_result;
+
+struct strata {
+    base_error error;
+    char *backend, *device, *module_path, *cache_dir, *inject;
+    uint32_t check;
+    uint64_t memory;
+    modules *modules;
+    gpu *gpu;
+    gpu_device_info device_info;
+    render_session *session;
+    render_result result;
+    plan_exclusion *exclusions; /* techniques that failed; texts owned */
+    uint32_t exclusion_count;
+    struct strata_scene *scenes;
+    uint32_t losses; /* of the device, so far */
+};
+
+/* ---- render.c ----------------------------------------------------------------------------------- */
+/* Checked options with every default filled in. */
+strata_result render_options(const strata_render_options *given, strata_render_options *options,
+                             base_error *err);
+
+/* ---- prepare.c ---------------------------------------------------------------------------------- */
+/* Demand, estimate and plan for these options; *view is the first frame's camera. */
+strata_result render_plan(strata *s, scene *sc, const strata_render_options *options, plan **out,
+                          scene_view *view, base_error *err);
+/* Opens the device unless it is open. */
+strata_result render_device(strata *s, base_error *err);
+strata_result render_modules(strata *s, base_error *err);
+/* Makes s->session fit the plan and options, keeping the old one where nothing changed. Takes
+ * ownership of p in any case. */
+strata_result render_session_open(strata *s, scene *sc, const strata_render_options *options, plan *p,
+                                  base_error *err);
+/* No technique of this id in later plans. */
+strata_result render_exclude(strata *s, const char *technique, const char *reason, base_error *err);
+void render_warn(strata *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* ---- session.c ---------------------------------------------------------------------------------- */
+strata_result render_session_create(strata *s, scene *sc, const strata_render_options *options,
+                                    plan *p, render_session **out, base_error *err);
+/* prepare() of every technique, in order, if it is due. *failed: the technique that failed. */
+strata_result render_session_prepare(render_session *session, const char **failed, base_error *err);
+void render_session_free(render_session *session); /* NULL is fine */
+/* Splits the frame into at least `count` rows (then columns) of even size. */
+strata_result render_bands(render_session *session, uint32_t count, base_error *err);
+
+/* ---- frame.c ------------------------------------------------------------------------------------ */
+/* One frame with all its rounds, bands and retries. *failed as above. */
+strata_result render_frame(render_session *session, const scene_view *view,
+                           const strata_render_options *options, const char **failed,
+                           base_error *err);
+
+/* ---- effects.c ---------------------------------------------------------------------------------- */
+/* Hands the generated effect header and the effects' sources to the device. */
+strata_result render_effects(render_session *session, base_error *err);
+
+/* ---- deep.c ------------------------------------------------------------------------------------- */
+/* After the opaque part: keeps its colours. */
+strata_result render_deep_begin(render_session *session, base_error *err);
+/* After a band was verified: appends its fragments, sorted, and the opaque surface. */
+strata_result render_deep_band(render_session *session, const render_rect *band, base_error *err);
+image_deep render_deep_image(const render_session *session); /* borrows the arrays */
+void render_deep_free(render_deep *deep);
+
+/* ---- account.c ---------------------------------------------------------------------------------- */
+/* Merges the device's timings since gpu_begin into the frame's. */
+strata_result render_account_passes(strata *s, base_error *err);
+void render_result_clear(render_result *result);
+/* New references; NULL when out of memory. */
+json_t *render_account_json(const strata *s);
+json_t *render_device_json(const strata *s);
+json_t *render_warnings_json(const strata *s, const scene *sc, const plan *p); /* p may be NULL */
+
+#endif
