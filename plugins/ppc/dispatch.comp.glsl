@@ -5,7 +5,7 @@
 #include "strata/scan.glsl"
 #include "classes.glsl"
 
-CLASS_TABLE()
+CLASS_TABLE(restrict)
 layout(std430) writeonly buffer DeepPool { uint deep_needed; };
 layout(std430) writeonly buffer BlockPool { uint block_needed; };
 layout(std430) writeonly buffer SlotPool { uint slot_needed; };

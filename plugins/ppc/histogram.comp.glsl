@@ -7,7 +7,7 @@
 
 #define PIXELS_PER_INVOCATION 16u
 
-CLASS_TABLE()
+CLASS_TABLE(restrict)
 shared uint group_count[CLASS_COUNT];
 shared uint group_largest, group_blocks;
 

@@ -8,7 +8,7 @@
 
 #define PIXELS_PER_INVOCATION 16u
 
-CLASS_TABLE()
+CLASS_TABLE(restrict)
 layout(std430) writeonly buffer Lists { uint lists[]; };
 layout(std430) writeonly buffer DeepBase { uint deep_base[]; };
 layout(std430) readonly buffer DeepPool { uint deep_needed; uint deep_capacity; };

@@ -4,7 +4,7 @@
 #include "strata/scan.glsl"
 #include "classes.glsl"
 
-CLASS_TABLE()
+CLASS_TABLE(restrict)
 layout(std430) readonly buffer TiedPool { uint tied_needed; uint tied_capacity; };
 
 void main() {
