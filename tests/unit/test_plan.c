@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * host/plan: tables of what is installed, what the scene holds and what the user asks, against the
+ * techniques that run, their order, and the reasons in words.
+ */
+#include "unit/plan_fixture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* ---- what runs ------------------------------------------------------------------------------- */
+
+static void techniques_run_in_order(void **state) {
+    (void)state;
+    static const struct {
+        request r;
+        const char *order;
+    } rows[] = {
+        /* the scene decides */
+        {{FOR(ALL, "")}, ""},
+        {{FOR(ALL, "o")}, "surface"},
+        {{FOR(ALL, "b")}, "stencil ppc"},
+        {{FOR(ALL, "ob")}, "surface stencil ppc"},
+        {{FOR(ALL, "obd")}, "surface abuffer ppc"}, /* too deep for stencil */
+        {{FOR(ALL, "ot")}, "surface stencil ppc"},
+        {{FOR("surface over", "o")}, "surface"},
+        {{FOR("", "")}, ""},
+        {{FOR("surface flat", "o")}, "surface"},
+        {{FOR("flat surface", "o")}, "surface"}, /* found order does not matter */
+        /* the device decides */
+        {{FOR(ALL, "ob"), .device = "nothing"}, "surface abuffer ppc"},
+        {{FOR(ALL, "ob"), .device = "feature.stencil_export"}, "surface stencil ppc"},
+        {{FOR(ALL, "ob"), .device = "?"}, "surface stencil ppc"},
+        /* the user decides */
+        {{FOR(ALL, "ob"), .use = "abuffer"}, "surface abuffer ppc"},
+        {{FOR(ALL, "ob"), .use = "fpc"}, "surface stencil fpc"},
+        {{FOR(ALL, "ob"), .use = "fpc, abuffer"}, "surface abuffer fpc"},
+        {{FOR(ALL, "ob"), .use = "ppc,abuffer,surface"}, "surface abuffer ppc"},
+        {{FOR(ALL, "ob"), .use = "peel"}, "surface peel"},
+        {{FOR(ALL, "ob"), .use = "wboit"}, "surface wboit"},
+        {{FOR(ALL, "ob"), .use = "kbuffer,facesort"}, "facesort surface kbuffer"},
+        {{FOR(ALL, "ob"), .use = "kplus"}, "surface kplus ppc"},
+        {{FOR(ALL, "ob"), .use = "kplus,hiz,occupancy,fpc"}, "hiz surface occupancy kplus fpc"},
+        {{FOR(ALL, "obd"), .use = "stencil"}, "surface stencil ppc"},
+        {{FOR(ALL, "ob"), .use = "hiz"}, "hiz surface stencil ppc"},
+        {{FOR(ALL, "o"), .use = "hiz"}, "hiz surface"},
+        {{FOR(ALL, "o"), .use = "facesort,abuffer,occupancy"}, "surface"}, /* idle, with warnings */
+        {{FOR("surface flat", "o"), .use = "flat"}, "flat"},
+        /* effects decide */
+        {{FOR(ALL, "ob"), .effects = "none"}, "surface"},
+        {{FOR(ALL, "ob"), .effects = "over"}, "surface stencil ppc"},
+        {{FOR(ALL, "o"), .effects = "over"}, "surface"}, /* active, but nothing to fold */
+        {{FOR("surface stencil ppc fpc media", "oe")}, "surface stencil ppc"},
+        /* accuracy decides */
+        {{FOR(ALL, "ob"), .tolerance = 0.01}, "surface kbuffer"},
+        {{FOR(ALL, "ob"), .tolerance = 0.01, .device = "none"}, "surface kplus ppc"},
+        {{FOR(ALL, "ob"), .tolerance = 0.01, .deep = 1}, "surface stencil ppc"},
+        {{FOR(ALL, "ob"), .tolerance = 0.01, .use = "abuffer"}, "surface abuffer ppc"},
+        /* layouts decide */
+        {{FOR("chain abuffer ppc over", "b")}, "abuffer ppc"}, /* ppc cannot read chain's */
+        {{FOR("chain abuffer walker over", "b")}, "chain walker"},
+        {{FOR("chain abuffer ppc walker over", "b")}, "chain walker"},
+        {{FOR("chain abuffer ppc walker over", "b"), .use = "abuffer"}, "abuffer ppc"},
+        {{FOR("chain abuffer ppc walker over", "b"), .settings = {"abuffer.mode=linked"},
+          .use = "abuffer"},
+         "abuffer walker"},
+        /* slots decide */
+        {{FOR("surface taker maker maker2 peel over", "ob")}, "maker2 surface taker"},
+        {{FOR("surface taker maker maker2 peel over", "ob"), .use = "maker"},
+         "maker surface taker"},
+        {{FOR("surface taker peel over", "ob")}, "surface peel"},
+        /* samples and costs */
+        {{FOR(ALL, "ob"), .samples = 4}, "surface stencil ppc filter"},
+        {{FOR(ALL, ""), .samples = 4}, "filter"},
+        {{FOR(ALL, "ob"), .use = "filter"}, "surface stencil ppc"},
+        {{FOR("priceless peel over", "b")}, "peel"},
+        {{FOR("priceless over", "b")}, "priceless"},
+        {{FOR("silent over", "b"), .use = "silent"}, "silent"},
+    };
+    for (size_t i = 0; i < BASE_COUNT(rows); i++) {
+        kit k;
+        demand d;
+        plan *p = get(&rows[i].r, &k, &d);
+        if (strcmp(order_of(p), rows[i].order) != 0)
+            fail_msg("row %zu: '%s', not '%s'", i, order_of(p), rows[i].order);
+        uint32_t techniques = 0;
+        for (uint32_t n = 0; n < k.count; n++)
+            techniques += k.list[n]->technique_count;
+        assert_int_equal(p->technique_count + p->left_out_count, techniques);
+        for (uint32_t n = 0; n < p->left_out_count; n++)
+            assert_true(p->left_out[n].reason[0] != '\0');
+        for (uint32_t n = 0; n < p->technique_count; n++)
+            assert_true(p->techniques[n].reason[0] != '\0');
+        plan_free(p);
+    }
+}
+
+static void order_of_installation_does_not_matter(void **state) {
+    (void)state;
+    static const char *const orders[] = {
+        "over transmission ppc abuffer peel surface hiz",
+        "hiz surface peel abuffer ppc transmission over",
+        "peel over hiz abuffer transmission surface ppc",
+    };
+    json_t *first = NULL;
+    for (size_t i = 0; i < BASE_COUNT(orders); i++) {
+        kit k;
+        demand d;
+        plan *p = get(&(request){FOR(orders[i], "obt"), .use = "hiz"}, &k, &d);
+        json_t *json = plan_json(p);
+        assert_non_null(json);
+        if (!first)
+            first = json_incref(json);
+        assert_true(json_equal(first, json));
+        json_decref(json);
+        plan_free(p);
+    }
+    json_decref(first);
+}
+
+/* ---- reasons --------------------------------------------------------------------------------- */
+
+static void everything_has_its_reason(void **state) {
+    (void)state;
+    static const struct {
+        request r;
+        const char *id, *reason;
+    } rows[] = {
+        {{FOR(ALL, "ob")}, "surface", "2 opaque draws"},
+        {{FOR(ALL, "b")}, "surface", "nothing opaque is drawn"},
+        {{FOR(ALL, "ob")},
+         "ppc",
+         "the cheapest exact way to fold about 1,000 fragments, with stencil: "
+         "3 x floor"},
+        {{FOR(ALL, "ob")}, "abuffer", "costs 4 against 3 of stencil + ppc"},
+        {{FOR(ALL, "ob")}, "fpc", "costs 6 against 3 of stencil + ppc"},
+        {{FOR(ALL, "ob")}, "peel", "costs 5 against 3 of stencil + ppc"},
+        {{FOR(ALL, "ob")}, "wboit", "it is approximate, without a bound; --use may name it"},
+        {{FOR(ALL, "ob")},
+         "kplus",
+         "it keeps the nearest fragments only, and no tolerance is given"},
+        {{FOR(ALL, "ob")}, "hiz", "not named in --use"},
+        {{FOR(ALL, "ob")}, "filter", "a pixel has one sample"},
+        {{FOR(ALL, "ob"), .device = "-"},
+         "stencil",
+         "needs feature.stencil_export, which this device does not have"},
+        {{FOR(ALL, "obd")},
+         "stencil",
+         "it holds 254 fragments a pixel, and about 300 are expected"},
+        {{FOR(ALL, "o")}, "abuffer", "no effect is active"},
+        {{FOR(ALL, "o"), .effects = "over"}, "ppc", "nothing transparent is drawn"},
+        {{FOR(ALL, "ob"), .use = "peel"}, "abuffer", "--use names peel"},
+        {{FOR(ALL, "ob"), .use = "abuffer"}, "peel", "--use names abuffer"},
+        {{FOR(ALL, "ob"), .use = "abuffer"}, "stencil", "--use names abuffer"},
+        {{FOR(ALL, "ob"), .use = "abuffer"}, "abuffer", "named in --use"},
+        {{FOR(ALL, "ob"), .use = "abuffer"}, "fpc", "costs 7 against 4 of abuffer + ppc"},
+        {{FOR("abuffer ppc over", "b")},
+         "abuffer",
+         "the only exact way to fold transparent fragments, with ppc"},
+        {{FOR("abuffer walker over", "b")},
+         "abuffer",
+         "the only exact way to fold transparent fragments, with walker; mode linked, which "
+         "walker reads"},
+        {{FOR("chain abuffer ppc over", "b")},
+         "chain",
+         "nothing that can run here shares its layout of fragments/1"},
+        {{FOR(ALL, "ob"), .deep = 1},
+         "peel",
+         "deep output needs fragments/1, which it does not produce"},
+        {{FOR("surface mystic", "o")}, "mystic", "this host knows no stage 'mystery'"},
+        {{FOR("surface liar", "o")},
+         "liar",
+         "its stage is capture, but it does not produce fragments/1"},
+        {{FOR("surface thief", "o")}, "thief", "produces color/1, which the host fills itself"},
+        {{FOR("surface taker peel over", "ob")},
+         "taker",
+         "consumes foo/1, which nothing that can run here produces"},
+        {{FOR("surface taker maker maker2 peel over", "ob")},
+         "maker2",
+         "produces foo/1, which taker consumes"},
+        {{FOR("surface flat", "o"), .use = "flat"}, "surface", "--use names flat"},
+        {{FOR("priceless peel over", "b")}, "priceless", "costs an unknown cost against 5 of peel"},
+        {{FOR("abuffer ppc fpc media", "e")},
+         "fpc",
+         "it folds in parallel, and the effect media is sequential"},
+        {{FOR(ALL, "ob")}, "over", "the scene calls for it"},
+        {{FOR(ALL, "ob")},
+         "transmission",
+         "nothing calls for it: materials.transmission is 0 of at least 1"},
+        {{FOR(ALL, "ob"), .effects = "none"}, "over", "off: --effects none does not name it"},
+        {{FOR(ALL, "ob"), .effects = "transmission,over"},
+         "transmission",
+         "named in --effects, though nothing in the scene calls for it"},
+        {{FOR("greedy", "")},
+         "greedy",
+         "nothing calls for it: this host knows no fact 'weather.rain'"},
+        {{FOR("idle", "b")}, "idle", "nothing calls for it; --effects may name it"},
+    };
+    for (size_t i = 0; i < BASE_COUNT(rows); i++) {
+        kit k;
+        demand d;
+        plan *p = get(&rows[i].r, &k, &d);
+        if (strcmp(reason_of(p, rows[i].id), rows[i].reason) != 0)
+            fail_msg("row %zu, %s: '%s', not '%s'", i, rows[i].id, reason_of(p, rows[i].id),
+                     rows[i].reason);
+        plan_free(p);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(techniques_run_in_order),
+        cmocka_unit_test(order_of_installation_does_not_matter),
+        cmocka_unit_test(everything_has_its_reason),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
