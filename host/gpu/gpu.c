@@ -143,6 +143,12 @@ static strata_result parse_inject(gpu *g, const char *text, base_error *err) {
     return STRATA_OK;
 }
 
+static strata_result keep_text(const char *text, char **copy, base_error *err) {
+    *copy = text ? base_strdup(text) : NULL;
+    return text && !*copy ? base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "no memory")
+                          : STRATA_OK;
+}
+
 strata_result gpu_open(const gpu_open_info *info, gpu **out, base_error *err) {
     *out = NULL;
     gpu *g = base_calloc(1, sizeof *g);
@@ -150,17 +156,17 @@ strata_result gpu_open(const gpu_open_info *info, gpu **out, base_error *err) {
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "no memory for a device");
     g->profile = info->profile;
     g->where_owner = g->where_label = "";
-    g->selftest_timestamps = g->selftest_ordered_rmw = -1;
+    memset(g->selftests, -1, sizeof g->selftests);
     strata_result result = parse_inject(g, info->inject, err);
-    if (result == STRATA_OK && info->cache_dir) {
-        g->cache_dir = base_strdup(info->cache_dir);
-        if (!g->cache_dir)
-            result = base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "no memory for a device");
-    }
+    if (result == STRATA_OK)
+        result = keep_text(info->cache_dir, &g->cache_dir, err);
+    if (result == STRATA_OK)
+        result = keep_text(info->device, &g->device_name, err);
     if (result == STRATA_OK)
         result = open_backend(g, info, err);
     if (result != STRATA_OK) {
         free(g->cache_dir);
+        free(g->device_name);
         free(g);
         return result;
     }
@@ -209,6 +215,7 @@ void gpu_close(gpu *g) {
     free(g->objects);
     free(g->timings);
     free(g->cache_dir);
+    free(g->device_name);
     free(g);
 }
 

@@ -15,6 +15,7 @@
 #define GPU_MAX_USES     (GPU_MAX_BINDINGS + GPU_MAX_COLOR + 8u)
 #define GPU_MAX_UNIFORM  65536u /* bytes of a uniform block that every supported driver takes */
 #define GPU_MAX_PARAMS   128u
+#define GPU_SELFTESTS    2
 #define GPU_POOL_MINIMUM 1024u /* elements of a pool whose maker expected nothing */
 
 /* ---- storage, owners, scopes ------------------------------------------------------------------
@@ -132,8 +133,8 @@ struct gpu {
     const gpu_backend *backend;
     void *self;
     gpu_backend_caps caps;
-    char *cache_dir; /* or NULL */
-    int profile;
+    char *cache_dir, *device_name; /* as given to gpu_open, or NULL */
+    int profile, clock_passes;     /* clock: the driver's own times are not sound */
 
     gpu_object **objects; /* by id - 1; NULL where the object is gone */
     size_t object_count, object_capacity;
@@ -157,8 +158,8 @@ struct gpu {
     gpu_timing *timings;
     size_t timing_count, timing_capacity, timing_submitted;
 
-    int selftest_running;
-    signed char selftest_timestamps, selftest_ordered_rmw; /* -1 unknown */
+    int selftest_running;                 /* this device exists for a self-test */
+    signed char selftests[GPU_SELFTESTS]; /* -1 unknown */
 };
 
 /* ---- gpu.c: errors ----------------------------------------------------------------------------

@@ -14,6 +14,8 @@
 void gpu_begin(gpu *g, uint32_t frame_width, uint32_t frame_height) {
     if (g->open)
         gpu_flush(g);
+    if (g->profile && !g->selftest_running && g->backend != &gpu_backend_null)
+        g->clock_passes = !gpu_selftest(g, "selftest.timestamps");
     g->begun = 1;
     g->frame_error = (base_error){0};
     g->frame_code = g->last_code = GPU_ERROR_NONE;

@@ -1,13 +1,269 @@
 /* SPDX-License-Identifier: MIT
  *
  * Start-up self-tests: what a driver really does, where the specification leaves it open and a
- * technique or the host wants to rely on it. Run when first asked, kept on disk for each device and
- * driver. A test that cannot be carried out counts as failed.
+ * technique or the host wants to rely on it. Run when first asked, on a device of their own, and
+ * kept on disk for each device and driver. A test that cannot be carried out counts as failed.
  */
 #include "gpu/gpu_internal.h"
 
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SELFTEST_VERSION 1u /* counts changes of the tests themselves */
+
+/* ---- timestamps: does a pass's time agree with the clock? ------------------------------------ */
+
+#define HEAVY_MS     8.0    /* what the dispatch has to last at least */
+#define HEAVY_LIMIT  32768u /* work groups at most */
+#define HEAVY_ROUNDS 3
+
+static const strata_glsl heavy = {"layout(local_size_x = 64) in;\n"
+                                  "layout(std430) buffer Sink { uint sink[]; };\n"
+                                  "STRATA_PARAMS { uint rounds; } params;\n"
+                                  "void main() {\n"
+                                  "    uint v = gl_GlobalInvocationID.x;\n"
+                                  "    for (uint i = 0u; i < params.rounds; ++i)\n"
+                                  "        v = v * 1664525u + 1013904223u;\n"
+                                  "    if (v == 0u)\n"
+                                  "        sink[0] = v;\n"
+                                  "}\n",
+                                  "selftest.timestamps"};
+
+/* Clock and driver's time of one dispatch, in ms; the clock's is -1 on failure. */
+static double time_heavy(gpu *g, strata_program program, strata_buffer sink, uint32_t groups,
+                         double *measured) {
+    const uint32_t rounds = 4096;
+    const strata_bind bind = {.struct_size = sizeof bind, .name = "Sink", .buffer = sink};
+    const strata_pass pass = {.struct_size = sizeof pass,
+                              .label = "heavy",
+                              .groups = {groups},
+                              .program = program,
+                              .params = &rounds,
+                              .params_size = sizeof rounds,
+                              .binds = &bind,
+                              .bind_count = 1};
+    uint32_t count = 0;
+    gpu_begin(g, 1, 1);
+    double start = base_now_ms();
+    gpu_pass(g, "selftest", &pass);
+    strata_result result = gpu_submit(g, NULL);
+    double clock = base_now_ms() - start;
+    const gpu_timing *timings = gpu_timings(g, &count);
+    *measured = count == 1 ? timings[0].gpu_ms : -1.0;
+    return result == STRATA_OK ? clock : -1.0;
+}
+
+static int test_timestamps(gpu *g, gpu_scope *scope) {
+    const strata_program_desc program_desc = {.struct_size = sizeof program_desc,
+                                              .kind = STRATA_PROGRAM_COMPUTE,
+                                              .label = "selftest",
+                                              .source = &heavy};
+    const strata_buffer_desc sink_desc = {
+        .struct_size = sizeof sink_desc, .label = "sink", .size = 4};
+    strata_program program;
+    strata_buffer sink;
+    uint32_t groups = 64;
+    double measured;
+    if (gpu_program_create(scope, &program_desc, &program, NULL) != STRATA_OK ||
+        gpu_buffer_create(scope, &sink_desc, &sink, NULL) != STRATA_OK ||
+        time_heavy(g, program, sink, groups, &measured) < 0) /* the driver compiles */
+        return 0;
+    double clock = time_heavy(g, program, sink, groups, &measured);
+    while (clock >= 0 && clock < HEAVY_MS && groups < HEAVY_LIMIT) {
+        groups *= 2;
+        clock = time_heavy(g, program, sink, groups, &measured);
+    }
+    for (int i = 0; i < HEAVY_ROUNDS; i++) {
+        clock = time_heavy(g, program, sink, groups, &measured);
+        if (clock < 0 || measured < 0.7 * clock - 1.0 || measured > clock)
+            return 0;
+    }
+    return 1;
+}
+
+/* ---- ordered_rmw: are plain read-modify-writes of a pixel exact and in primitive order? -------
+ */
+
+#define RMW_SIZE       128u /* pixels along a side */
+#define RMW_PRIMITIVES 96u  /* triangles that cover all of them */
+#define RMW_ROUNDS     4
+
+static const strata_glsl counting = {"layout(std430) buffer Cells { uint cells[]; };\n"
+                                     "STRATA_PARAMS { uint width; } params;\n"
+                                     "void main() {\n"
+                                     "    uvec2 p = uvec2(gl_FragCoord.xy);\n"
+                                     "    uint i = p.y * params.width + p.x;\n"
+                                     "    uint before = cells[i];\n"
+                                     "    if (before == uint(gl_PrimitiveID))\n"
+                                     "        cells[i] = before + 1u;\n"
+                                     "}\n",
+                                     "selftest.ordered_rmw"};
+
+static strata_result make_draws(gpu_scope *scope, strata_draws *draws) {
+    const uint32_t command[5] = {3 * RMW_PRIMITIVES, 1, 0, 0, 0};
+    uint32_t indices[3 * RMW_PRIMITIVES];
+    gpu_draws_desc desc = {.capacity = 1};
+    for (uint32_t i = 0; i < 3 * RMW_PRIMITIVES; i++)
+        indices[i] = i % 3;
+    const strata_buffer_desc command_desc = {.struct_size = sizeof command_desc,
+                                             .label = "command",
+                                             .size = sizeof command,
+                                             .data = command};
+    const strata_buffer_desc index_desc = {.struct_size = sizeof index_desc,
+                                           .label = "indices",
+                                           .size = sizeof indices,
+                                           .data = indices};
+    strata_result result = gpu_buffer_create(scope, &command_desc, &desc.commands, NULL);
+    if (result == STRATA_OK)
+        result = gpu_buffer_create(scope, &index_desc, &desc.indices, NULL);
+    return result == STRATA_OK ? gpu_draws_create(scope, &desc, draws, NULL) : result;
+}
+
+/* One draw of all triangles; 1 when each pixel saw each of them, in order. */
+static int count_once(gpu *g, strata_program program, strata_buffer cells, strata_draws draws,
+                      uint32_t *values) {
+    const uint32_t width = RMW_SIZE;
+    const strata_bind bind = {.struct_size = sizeof bind, .name = "Cells", .buffer = cells};
+    const strata_pass pass = {.struct_size = sizeof pass,
+                              .label = "count",
+                              .program = program,
+                              .params = &width,
+                              .params_size = sizeof width,
+                              .binds = &bind,
+                              .bind_count = 1,
+                              .draws = draws};
+    gpu_begin(g, RMW_SIZE, RMW_SIZE);
+    gpu_fill(g, "selftest", cells, 0, 0, 0);
+    gpu_pass(g, "selftest", &pass);
+    if (gpu_submit(g, NULL) != STRATA_OK ||
+        gpu_buffer_read(g, cells, 0, RMW_SIZE * RMW_SIZE * 4, values, NULL) != STRATA_OK)
+        return 0;
+    for (uint32_t i = 0; i < RMW_SIZE * RMW_SIZE; i++)
+        if (values[i] != RMW_PRIMITIVES)
+            return 0;
+    return 1;
+}
+
+static int test_ordered_rmw(gpu *g, gpu_scope *scope) {
+    const strata_program_desc program_desc = {.struct_size = sizeof program_desc,
+                                              .kind = STRATA_PROGRAM_FULLSCREEN,
+                                              .label = "selftest",
+                                              .source = &counting};
+    const strata_buffer_desc cells_desc = {
+        .struct_size = sizeof cells_desc, .label = "cells", .size = RMW_SIZE * RMW_SIZE * 4};
+    strata_program program;
+    strata_buffer cells;
+    strata_draws draws;
+    int exact = 1;
+    uint32_t *values = base_calloc(RMW_SIZE * RMW_SIZE, sizeof *values);
+    if (!values || gpu_program_create(scope, &program_desc, &program, NULL) != STRATA_OK ||
+        gpu_buffer_create(scope, &cells_desc, &cells, NULL) != STRATA_OK ||
+        make_draws(scope, &draws) != STRATA_OK)
+        exact = 0;
+    for (int i = 0; i < RMW_ROUNDS && exact; i++)
+        exact = count_once(g, program, cells, draws, values);
+    free(values);
+    return exact;
+}
+
+/* ---- running and remembering ----------------------------------------------------------------- */
+
+static const struct {
+    const char *id;
+    int (*run)(gpu *g, gpu_scope *scope);
+} selftests[GPU_SELFTESTS] = {
+    {"selftest.timestamps", test_timestamps},
+    {"selftest.ordered_rmw", test_ordered_rmw},
+};
+
+/* File of a result, and the whole text that it has when the result is `value`. */
+static int describe_result(const gpu *g, const char *id, int value, char *path, size_t path_size,
+                           char *text, size_t text_size) {
+    const uint32_t version = SELFTEST_VERSION;
+    uint64_t hash = base_hash(0, &version, sizeof version);
+    hash = base_hash(hash, g->caps.name, strlen(g->caps.name) + 1);
+    hash = base_hash(hash, g->caps.driver, strlen(g->caps.driver) + 1);
+    int length = snprintf(path, path_size, "%s/%s/%s-%016" PRIx64, g->cache_dir, "selftest",
+                          g->backend->name, hash);
+    int more = length < 0 || (size_t)length >= path_size
+                   ? -1
+                   : snprintf(path + length, path_size - (size_t)length, "-%s", id + 9);
+    snprintf(text, text_size, "%u %s %s %s: %d\n", version, id, g->caps.name, g->caps.driver,
+             value);
+    return more >= 0 && (size_t)more < path_size - (size_t)length;
+}
+
+static int load_result(const gpu *g, const char *id, int *value) {
+    char path[4096], text[1024];
+    unsigned char *data = NULL;
+    size_t size = 0;
+    base_error ignored = {0};
+    int found = 0;
+    for (int i = 0; i < 2 && g->cache_dir && !found; i++) {
+        if (!describe_result(g, id, i, path, sizeof path, text, sizeof text) ||
+            base_file_read(path, sizeof text, &data, &size, &ignored) != STRATA_OK)
+            return 0;
+        found = size == strlen(text) && memcmp(data, text, size) == 0;
+        *value = i;
+        free(data);
+    }
+    return found;
+}
+
+static void store_result(const gpu *g, const char *id, int value) {
+    char path[4096], text[1024], folder[4096];
+    base_output out;
+    base_error ignored = {0};
+    if (!g->cache_dir)
+        return;
+    int length = snprintf(folder, sizeof folder, "%s/selftest", g->cache_dir);
+    if (length < 0 || (size_t)length >= sizeof folder ||
+        !describe_result(g, id, value, path, sizeof path, text, sizeof text) ||
+        base_make_folders(folder, &ignored) != STRATA_OK ||
+        base_output_open(&out, path, &ignored) != STRATA_OK)
+        return;
+    if (base_output_write(&out, text, strlen(text), &ignored) == STRATA_OK)
+        base_output_commit(&out, &ignored);
+    else
+        base_output_abort(&out);
+}
+
+static int run_test(gpu *g, size_t index) {
+    const gpu_open_info info = {.backend = g->backend->name,
+                                .device = g->device_name,
+                                .cache_dir = g->cache_dir,
+                                .profile = 1};
+    gpu *other = NULL;
+    int value = 0;
+    if (g->open) /* one device at a time records */
+        gpu_flush(g);
+    if (gpu_open(&info, &other, NULL) != STRATA_OK)
+        return 0;
+    other->selftest_running = 1;
+    gpu_scope *scope = gpu_scope_create(other, "selftest");
+    if (scope)
+        value = selftests[index].run(other, scope);
+    gpu_close(other);
+    base_log(BASE_LOG_INFO, "%s: %s: %s", g->caps.name, selftests[index].id,
+             value ? "passed" : "failed");
+    return value;
+}
+
 int gpu_selftest(gpu *g, const char *id) {
-    (void)g;
-    (void)id;
+    for (size_t i = 0; i < GPU_SELFTESTS; i++) {
+        if (strcmp(id, selftests[i].id) != 0)
+            continue;
+        int value = g->selftests[i];
+        if (value < 0 && (g->selftest_running || g->lost || g->backend == &gpu_backend_null))
+            return 0;
+        if (value < 0 && !load_result(g, id, &value)) {
+            value = run_test(g, i);
+            store_result(g, id, value);
+        }
+        g->selftests[i] = (signed char)value;
+        return value;
+    }
     return 0;
 }
