@@ -21,6 +21,8 @@ install(FILES "${PROJECT_BINARY_DIR}/StrataConfig.cmake"
               host/sdk/strata_add_module.cmake host/sdk/module.map host/cmake/embed_glsl.cmake
         DESTINATION "${package_folder}")
 
+# Found from where the file lies, so that an installed tree can be moved.
+file(RELATIVE_PATH STRATA_PC_TO_PREFIX "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
 configure_file(host/sdk/strata.pc.in "${PROJECT_BINARY_DIR}/strata.pc" @ONLY)
 install(FILES "${PROJECT_BINARY_DIR}/strata.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
 
