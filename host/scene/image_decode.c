@@ -7,6 +7,7 @@
 
 #include <limits.h>
 #include <stdlib.h>
+#include <string.h>
 
 static _Thread_local size_t decode_budget; /* of one allocation */
 
@@ -39,13 +40,31 @@ static void *decode_realloc(void *old, size_t size) {
 #include <stb/stb_image.h>
 #pragma GCC diagnostic pop
 
+/* stb_image copies to NULL when a PNG's first IDAT chunk is empty: legal in a PNG, undefined in C.
+ */
+static int begins_with_empty_data(const unsigned char *bytes, size_t size) {
+    if (size < 8 || memcmp(bytes, "\x89PNG\r\n\x1a\n", 8) != 0)
+        return 0;
+    for (size_t at = 8; size - at >= 12;) {
+        size_t length = (size_t)bytes[at] << 24 | (size_t)bytes[at + 1] << 16 |
+                        (size_t)bytes[at + 2] << 8 | (size_t)bytes[at + 3];
+        if (memcmp(bytes + at + 4, "IDAT", 4) == 0)
+            return length == 0;
+        if (length > size - at - 12)
+            return 0;
+        at += 12 + length;
+    }
+    return 0;
+}
+
 strata_result scene_decode_image(const unsigned char *bytes, size_t size, scene_image *out,
                                  base_error *err) {
     int width = 0, height = 0, channels = 0;
     decode_budget = 1u << 20;
     if (size == 0 || size > INT_MAX)
         return base_fail(err, STRATA_ERROR_BAD_FILE, "%zu bytes are not an image", size);
-    if (!stbi_info_from_memory(bytes, (int)size, &width, &height, &channels))
+    if (begins_with_empty_data(bytes, size) ||
+        !stbi_info_from_memory(bytes, (int)size, &width, &height, &channels))
         return base_fail(err, STRATA_ERROR_BAD_FILE, "is neither PNG nor JPEG, or damaged");
     if (width < 1 || height < 1 || width > (int)SCENE_MAX_IMAGE || height > (int)SCENE_MAX_IMAGE)
         return base_fail(err, STRATA_ERROR_BAD_FILE, "is %dx%d pixels, the limit is %ux%u", width,
