@@ -82,6 +82,11 @@ setup_install() {
     }
 }
 
+# STRATA_TESTS as build/ has it: who has built the tests keeps them.
+setup_keep_tests() {
+    if grep -qs '^STRATA_TESTS:BOOL=ON' build/CMakeCache.txt; then echo ON; else echo OFF; fi
+}
+
 # Configures and builds everything into build/.
 setup_build() {
     fresh=

@@ -23,6 +23,7 @@ install(FILES "${PROJECT_BINARY_DIR}/StrataConfig.cmake"
 
 # Found from where the file lies, so that an installed tree can be moved.
 file(RELATIVE_PATH STRATA_PC_TO_PREFIX "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
+string(REGEX REPLACE "/$" "" STRATA_PC_TO_PREFIX "${STRATA_PC_TO_PREFIX}")
 configure_file(host/sdk/strata.pc.in "${PROJECT_BINARY_DIR}/strata.pc" @ONLY)
 install(FILES "${PROJECT_BINARY_DIR}/strata.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
 
