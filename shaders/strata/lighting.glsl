@@ -6,6 +6,8 @@
 #ifndef STRATA_LIGHTING_GLSL
 #define STRATA_LIGHTING_GLSL
 
+#include "strata/math.glsl"
+
 struct StrataLight {
     vec4 position;  // world; kind (0 directional, 1 point, 2 spot)
     vec4 direction; // where it shines to, unit; range, 0 = unlimited
@@ -17,39 +19,33 @@ layout(std430) readonly buffer StrataLights { StrataLight strata_lights[]; };
 const float STRATA_PI = 3.14159265358979;
 const float STRATA_SMALLEST_ROUGHNESS = 0.045; // its fourth power is still above a float's rounding
 
-// Zero and non-finite vectors become zero; no square overflows.
-vec3 strata_unit(vec3 v) {
-    float largest = max(abs(v.x), max(abs(v.y), abs(v.z)));
-    if (!(largest > 0.0 && largest <= 3.4e38))
-        return vec3(0.0);
-    vec3 scaled = v / largest;
-    return scaled / sqrt(dot(scaled, scaled));
-}
-
 #ifdef STRATA_HAS_TEXTURES
-// Columns: tangent, bitangent (against v: textures are stored from the top), normal. Tangents as
-// given, else the gradients of the coordinates across the screen.
-mat3 strata_tangent_frame(StrataTexture t, StrataUv uv, vec3 normal) {
+// Turns a normal from a texture into the world. The axes are tangent, bitangent (against v: textures
+// are stored from the top) and normal; tangents as given, else the gradients of the coordinates
+// across the screen.
+precise vec3 strata_bend(StrataTexture t, StrataUv uv, vec3 normal, vec3 bump) {
 #ifdef STRATA_HAS_TANGENTS
     if (strata_is(STRATA_RECORD_TANGENTS)) {
         vec3 tangent = strata_unit(strata_in_tangent.xyz);
-        return mat3(tangent, cross(normal, tangent) * strata_in_tangent.w, normal);
+        vec3 bitangent = strata_cross(normal, tangent) * strata_in_tangent.w;
+        return tangent * bump.x + bitangent * bump.y + normal * bump.z;
     }
 #endif
     bool second = (t.flags & 1u) != 0u;
     vec2 uv_dx = strata_transform(t, second ? uv.dx.zw : uv.dx.xy);
     vec2 uv_dy = strata_transform(t, second ? uv.dy.zw : uv.dy.xy);
     vec3 dx = dFdx(strata_in_position), dy = dFdy(strata_in_position);
-    vec3 across = cross(dy, normal), along = cross(normal, dx);
-    float side = dot(cross(dx, dy), normal) < 0.0 ? -1.0 : 1.0;
-    return mat3(strata_unit(across * uv_dx.x + along * uv_dy.x) * side,
-                strata_unit(across * uv_dx.y + along * uv_dy.y) * -side, normal);
+    vec3 across = strata_cross(dy, normal), along = strata_cross(normal, dx);
+    float side = strata_dot(strata_cross(dx, dy), normal) < 0.0 ? -1.0 : 1.0;
+    vec3 tangent = strata_unit(across * uv_dx.x + along * uv_dy.x) * side;
+    vec3 bitangent = strata_unit(across * uv_dx.y + along * uv_dy.y) * -side;
+    return tangent * bump.x + bitangent * bump.y + normal * bump.z;
 }
 #endif
 
 // On the side that is seen. Where normals vanish, that of the face.
-vec3 strata_shading_normal(StrataUv uv) {
-    vec3 face = strata_unit(cross(dFdx(strata_in_position), dFdy(strata_in_position)));
+precise vec3 strata_shading_normal(StrataUv uv) {
+    vec3 face = strata_unit(strata_cross(dFdx(strata_in_position), dFdy(strata_in_position)));
     vec3 normal = strata_unit(strata_in_normal);
     if (normal == vec3(0.0))
         return face;
@@ -59,7 +55,7 @@ vec3 strata_shading_normal(StrataUv uv) {
         vec3 bump = strata_sample(material.normal_texture, STRATA_LINEAR, uv).xyz * 2.0 - 1.0;
         bump.xy *= material.normal_scale;
         vec3 bent = strata_unit(
-            strata_tangent_frame(strata_textures[material.normal_texture], uv, normal) * bump);
+            strata_bend(strata_textures[material.normal_texture], uv, normal, bump));
         normal = bent == vec3(0.0) ? normal : bent;
     }
 #endif
@@ -75,19 +71,19 @@ struct StrataReflector {
     float n_v;
 };
 
-vec3 strata_schlick(vec3 f0, float cosine) {
+precise vec3 strata_schlick(vec3 f0, float cosine) {
     float rest = 1.0 - cosine, square = rest * rest;
     return f0 + (1.0 - f0) * (square * square * rest);
 }
 
 // BRDF times the cosine at the surface, for light from `light` (unit).
-vec3 strata_reflect(StrataReflector r, vec3 light) {
-    float n_l = dot(r.normal, light);
+precise vec3 strata_reflect(StrataReflector r, vec3 light) {
+    float n_l = strata_dot(r.normal, light);
     if (!(n_l > 0.0))
         return vec3(0.0);
     vec3 halfway = strata_unit(light + r.view);
-    float n_h = clamp(dot(r.normal, halfway), 0.0, 1.0);
-    float v_h = clamp(dot(r.view, halfway), 0.0, 1.0);
+    float n_h = clamp(strata_dot(r.normal, halfway), 0.0, 1.0);
+    float v_h = clamp(strata_dot(r.view, halfway), 0.0, 1.0);
     float a2 = r.alpha * r.alpha;
     float spread = n_h * n_h * (a2 - 1.0) + 1.0;
     float d = a2 / (STRATA_PI * spread * spread);
@@ -98,20 +94,20 @@ vec3 strata_reflect(StrataReflector r, vec3 light) {
 }
 
 // Direction to a light and what arrives from it (KHR_lights_punctual).
-vec3 strata_arriving(StrataLight light, out vec3 direction) {
+precise vec3 strata_arriving(StrataLight light, out vec3 direction) {
     direction = -light.direction.xyz;
     if (light.position.w == 0.0)
         return light.color.rgb;
     vec3 away = light.position.xyz - strata_in_position;
     direction = strata_unit(away);
-    float square = max(dot(away, away), 1e-12);
+    float square = max(strata_dot(away, away), 1e-12);
     float power = 1.0 / square;
     if (light.direction.w > 0.0) {
         float share = square / (light.direction.w * light.direction.w);
         power *= clamp(1.0 - share * share, 0.0, 1.0);
     }
     if (light.position.w == 2.0) {
-        float cosine = -dot(light.direction.xyz, direction);
+        float cosine = -strata_dot(light.direction.xyz, direction);
         float t = clamp((cosine - light.cone.y) / max(light.cone.x - light.cone.y, 1e-4), 0.0, 1.0);
         power *= t * t;
     }
@@ -120,7 +116,7 @@ vec3 strata_arriving(StrataLight light, out vec3 direction) {
 
 // Ambient radiance convolved with a lobe that keeps `band1` and `band2` of the spherical harmonics
 // of degree 1 and 2.
-vec3 strata_ambient_light(vec3 n, float band1, float band2) {
+precise vec3 strata_ambient_light(vec3 n, float band1, float band2) {
     vec3 constant = strata_ambient[0].rgb * 0.282094792;
     vec3 first = (strata_ambient[1].rgb * n.y + strata_ambient[2].rgb * n.z +
                   strata_ambient[3].rgb * n.x) * 0.488602512;
@@ -132,20 +128,20 @@ vec3 strata_ambient_light(vec3 n, float band1, float band2) {
 }
 
 // Share of uniform light from all sides that is mirrored: f0 * x + y.
-vec2 strata_environment_brdf(float roughness, float n_v) {
+precise vec2 strata_environment_brdf(float roughness, float n_v) {
     vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
     float a = min(r.x * r.x, exp2(-9.28 * n_v)) * r.x + r.y;
     return vec2(-1.04, 1.04) * a + r.zw;
 }
 
-vec3 strata_ambient_reflection(StrataReflector r, float roughness) {
-    vec3 mirrored = 2.0 * dot(r.normal, r.view) * r.normal - r.view;
+precise vec3 strata_ambient_reflection(StrataReflector r, float roughness) {
+    vec3 mirrored = 2.0 * strata_dot(r.normal, r.view) * r.normal - r.view;
     float sharp = 1.0 - r.alpha;
     vec2 brdf = strata_environment_brdf(roughness, r.n_v);
     vec3 specular = r.f0 * brdf.x + brdf.y;
     return r.diffuse * (1.0 - specular) * strata_ambient_light(r.normal, 2.0 / 3.0, 0.25) +
-           specular * strata_ambient_light(mirrored, mix(2.0 / 3.0, 1.0, sharp),
-                                           mix(0.25, 1.0, sharp));
+           specular * strata_ambient_light(mirrored, strata_mix(2.0 / 3.0, 1.0, sharp),
+                                           strata_mix(0.25, 1.0, sharp));
 }
 
 // Fills colour (without emission), transmission and tint from base colour and surface.normal.
@@ -158,22 +154,24 @@ void strata_shade(vec3 base, StrataUv uv, inout StrataSurface surface) {
     if (material.occlusion_texture != STRATA_NO_INDEX)
         occlusion += material.occlusion_strength *
                      (strata_textured(material.occlusion_texture, STRATA_LINEAR, uv).r - 1.0);
-    StrataReflector r;
+    precise StrataReflector r;
     r.normal = surface.normal;
     r.view = strata_eye.w == 0.0 ? strata_eye.xyz : strata_unit(strata_eye.xyz - strata_in_position);
-    r.n_v = clamp(abs(dot(r.normal, r.view)), 1e-4, 1.0);
+    r.n_v = clamp(abs(strata_dot(r.normal, r.view)), 1e-4, 1.0);
     r.alpha = roughness * roughness;
-    r.f0 = mix(vec3(material.f0), base, metallic);
+    r.f0 = strata_mix(vec3(material.f0), base, metallic);
     r.diffuse = base * (1.0 - metallic);
 #ifdef STRATA_HAS_TRANSMISSION
     float enters = material.transmission *
                    strata_textured(material.transmission_texture, STRATA_LINEAR, uv).r;
-    surface.transmission = clamp(enters, 0.0, 1.0) * (1.0 - metallic);
-    surface.tint = clamp(base, 0.0, 1.0) * surface.transmission *
-                   (1.0 - strata_schlick(vec3(material.f0), r.n_v));
+    precise float share = clamp(enters, 0.0, 1.0) * (1.0 - metallic);
+    precise vec3 tint =
+        clamp(base, 0.0, 1.0) * share * (1.0 - strata_schlick(vec3(material.f0), r.n_v));
+    surface.transmission = share;
+    surface.tint = tint;
     r.diffuse *= 1.0 - clamp(enters, 0.0, 1.0);
 #endif
-    vec3 color = strata_ambient_reflection(r, roughness) * occlusion;
+    precise vec3 color = strata_ambient_reflection(r, roughness) * occlusion;
     for (uint i = 0u; i < strata_counts.x; ++i) {
         vec3 direction;
         vec3 arriving = strata_arriving(strata_lights[i], direction);

@@ -118,7 +118,7 @@ bool strata_covered() {
 #include "strata/lighting.glsl"
 #endif
 
-vec3 strata_emission(StrataUv uv) {
+precise vec3 strata_emission(StrataUv uv) {
 #ifdef STRATA_HAS_EMISSION
     StrataMaterial material = strata_materials[strata_in_ids.x];
     if (!strata_is(STRATA_RECORD_UNLIT))
@@ -151,7 +151,8 @@ bool strata_surface(out StrataSurface surface) {
             strata_shade(base.rgb, uv, surface);
     }
 #endif
-    surface.color = strata_finite(surface.color + strata_emission(uv));
+    precise vec3 color = surface.color + strata_emission(uv);
+    surface.color = strata_finite(color);
     surface.tint = strata_finite(surface.tint);
     return strata_exists(base.a);
 }

@@ -6,6 +6,7 @@
 #ifndef STRATA_TEXTURE_GLSL
 #define STRATA_TEXTURE_GLSL
 
+#include "strata/math.glsl"
 #include "strata/scene.glsl"
 
 struct StrataTexture {
@@ -51,12 +52,11 @@ vec4 strata_texel(StrataTexture t, bool srgb, int level, ivec2 at) {
 }
 
 // Brings a coordinate into [0, 1]; texels beyond the edges are found by strata_wrap_texel.
-float strata_wrap(float u, uint mode) {
+precise float strata_wrap(float u, uint mode) {
     float x = abs(u) <= 1e6 ? u : 0.0; // also NaN
-    precise float wrapped = mode == 0u ? x - floor(x)
-                                       : (mode == 1u ? abs(x - 2.0 * floor(x * 0.5 + 0.5))
-                                                     : clamp(x, 0.0, 1.0));
-    return wrapped;
+    if (mode == 0u)
+        return x - floor(x);
+    return mode == 1u ? abs(x - 2.0 * floor(x * 0.5 + 0.5)) : clamp(x, 0.0, 1.0);
 }
 
 int strata_wrap_texel(int i, int size, uint mode) {
@@ -83,28 +83,19 @@ vec4 strata_filter(StrataTexture t, bool srgb, int level, bool linear, vec2 uv) 
     vec4 b = strata_texel(t, srgb, level, ivec2(x1, y0));
     vec4 c = strata_texel(t, srgb, level, ivec2(x0, y1));
     vec4 d = strata_texel(t, srgb, level, ivec2(x1, y1));
-    precise vec4 low = a + (b - a) * f.x;
-    precise vec4 high = c + (d - c) * f.x;
-    precise vec4 value = low + (high - low) * f.y;
-    return value;
+    return strata_mix(strata_mix(a, b, f.x), strata_mix(c, d, f.x), f.y);
 }
 
 // log2 of how many texels a step of one pixel crosses; 0 or less magnifies.
-float strata_level(StrataTexture t, vec2 dx, vec2 dy) {
+precise float strata_level(StrataTexture t, vec2 dx, vec2 dy) {
     vec2 size = vec2(t.size & 0xffffu, t.size >> 16);
-    precise vec2 x = dx * size;
-    precise vec2 y = dy * size;
-    precise float xx = x.x * x.x + x.y * x.y;
-    precise float yy = y.x * y.x + y.y * y.y;
-    float square = max(xx, yy);
-    precise float level = square > 1.0 ? 0.5 * log2(min(square, 1e20)) : 0.0;
-    return level;
+    vec2 x = dx * size, y = dy * size;
+    float square = max(strata_dot(x, x), strata_dot(y, y));
+    return square > 1.0 ? 0.5 * log2(min(square, 1e20)) : 0.0;
 }
 
-vec2 strata_transform(StrataTexture t, vec2 uv) {
-    precise vec2 moved = vec2(t.scale_rotate.x * uv.x + t.scale_rotate.y * uv.y,
-                              t.scale_rotate.z * uv.x + t.scale_rotate.w * uv.y);
-    return moved;
+precise vec2 strata_transform(StrataTexture t, vec2 uv) {
+    return vec2(strata_dot(t.scale_rotate.xy, uv), strata_dot(t.scale_rotate.zw, uv));
 }
 
 vec4 strata_sample(uint index, bool srgb, StrataUv uv) {
@@ -128,9 +119,7 @@ vec4 strata_sample(uint index, bool srgb, StrataUv uv) {
     vec4 a = strata_filter(t, srgb, fine, linear, at);
     if (f == 0.0)
         return a;
-    vec4 b = strata_filter(t, srgb, min(fine + 1, last), linear, at);
-    precise vec4 value = a + (b - a) * f;
-    return value;
+    return strata_mix(a, strata_filter(t, srgb, min(fine + 1, last), linear, at), f);
 }
 
 #endif

@@ -4,6 +4,7 @@
 // that a slot is one multi-draw whatever its meshes have. Position is invariant and computed in one
 // written order: a fragment's depth has the same bits in every pass.
 #include "strata/frame.glsl"
+#include "strata/math.glsl"
 #include "strata/scene.glsl"
 
 layout(std430) readonly buffer StrataRecords { StrataRecord strata_records[]; };
@@ -61,37 +62,35 @@ vec4 strata_project(vec3 world) {
 }
 
 #ifdef STRATA_HAS_LIT
-// Zero stays zero; lengths whose squares would leave the range of floats are fine.
-vec3 strata_direction(vec3 v) {
-    float largest = max(abs(v.x), max(abs(v.y), abs(v.z)));
-    if (!(largest > 0.0 && largest <= 3.4e38))
-        return vec3(0.0);
-    precise vec3 scaled = v / largest;
-    precise float square = scaled.x * scaled.x + scaled.y * scaled.y + scaled.z * scaled.z;
-    return scaled / sqrt(square);
+// By the cofactors of the world matrix: right for any scale, also where it is singular.
+precise vec3 strata_world_normal(StrataRecord record, vec3 n, float mirror) {
+    vec3 a = record.world[0].xyz, b = record.world[1].xyz, c = record.world[2].xyz;
+    vec3 largest = max(abs(a), max(abs(b), abs(c)));
+    float size = max(largest.x, max(largest.y, max(largest.z, 1e-30)));
+    a /= size;
+    b /= size;
+    c /= size;
+    vec3 turned = vec3(strata_dot(strata_cross(b, c), n), strata_dot(strata_cross(c, a), n),
+                       strata_dot(strata_cross(a, b), n));
+    return strata_unit(turned * mirror);
 }
 
-// Normals by the cofactors of the world matrix: right for any scale, also where it is singular.
 void strata_write_normal(StrataRecord record, uint vertex) {
-    vec3 a = record.world[0].xyz, b = record.world[1].xyz, c = record.world[2].xyz;
     float mirror = (record.flags & STRATA_RECORD_MIRRORED) != 0u ? -1.0 : 1.0;
     strata_out_normal = vec3(0.0);
     if ((record.flags & STRATA_RECORD_NORMALS) != 0u) {
         uint at = (record.normal + vertex) * 3u;
         vec3 n = vec3(strata_normals[at], strata_normals[at + 1u], strata_normals[at + 2u]);
-        float size = max(max(length(a), length(b)), max(length(c), 1e-30));
-        a /= size;
-        b /= size;
-        c /= size;
-        strata_out_normal = strata_direction(
-            vec3(dot(cross(b, c), n), dot(cross(c, a), n), dot(cross(a, b), n)) * mirror);
+        strata_out_normal = strata_world_normal(record, n, mirror);
     }
 #ifdef STRATA_HAS_TANGENTS
     strata_out_tangent = vec4(0.0);
     if ((record.flags & STRATA_RECORD_TANGENTS) != 0u) {
         vec4 t = strata_tangents[record.tangent + vertex];
-        vec3 world = vec3(dot(a, t.xyz), dot(b, t.xyz), dot(c, t.xyz));
-        strata_out_tangent = vec4(strata_direction(world), t.w * mirror);
+        vec3 world = vec3(strata_dot(record.world[0].xyz, t.xyz),
+                          strata_dot(record.world[1].xyz, t.xyz),
+                          strata_dot(record.world[2].xyz, t.xyz));
+        strata_out_tangent = vec4(strata_unit(world), t.w * mirror);
     }
 #endif
 }
