@@ -101,20 +101,24 @@ static VkImageCreateInfo describe(const vk_format *format, const strata_image_de
                                         VK_IMAGE_USAGE_TRANSFER_DST_BIT};
 }
 
-static strata_result check_support(vk *v, const VkImageCreateInfo *info, const char *label,
-                                   base_error *err) {
+static strata_result check_support(vk *v, const VkImageCreateInfo *info, uint32_t texel,
+                                   const char *label, base_error *err) {
+    const VkExtent3D *size = &info->extent;
     VkImageFormatProperties most;
     VkResult code = vkGetPhysicalDeviceImageFormatProperties(
         v->physical, info->format, info->imageType, info->tiling, info->usage, 0, &most);
     if (code != VK_SUCCESS)
         return vk_fail(v, code, err, label);
-    if (info->extent.width > most.maxExtent.width || info->extent.height > most.maxExtent.height ||
+    if (size->width > most.maxExtent.width || size->height > most.maxExtent.height ||
         info->arrayLayers > most.maxArrayLayers)
         return base_fail(err, STRATA_ERROR_UNSUPPORTED,
                          "vulkan: image \"%.100s\": %u x %u, %u layers are more than the device's "
                          "%u x %u, %u layers",
-                         label, info->extent.width, info->extent.height, info->arrayLayers,
-                         most.maxExtent.width, most.maxExtent.height, most.maxArrayLayers);
+                         label, size->width, size->height, info->arrayLayers, most.maxExtent.width,
+                         most.maxExtent.height, most.maxArrayLayers);
+    if ((uint64_t)size->width * size->height > most.maxResourceSize / texel / info->arrayLayers)
+        return base_fail(err, STRATA_ERROR_OUT_OF_DEVICE_MEMORY,
+                         "vulkan: image \"%.100s\" has more bytes than the device allows", label);
     return STRATA_OK;
 }
 
@@ -195,7 +199,7 @@ strata_result vk_image_create(void *self, const strata_image_desc *desc, void **
                          label, desc->format);
     const vk_format *format = &formats[desc->format];
     const VkImageCreateInfo info = describe(format, desc);
-    result = check_support(v, &info, label, err);
+    result = check_support(v, &info, format->texel, label, err);
     if (result != STRATA_OK)
         return result;
     vk_image *image = base_calloc(1, sizeof *image);

@@ -17,14 +17,20 @@ static strata_result need_staging(vk *v, base_error *err) {
 
 /* ---- buffers ---------------------------------------------------------------------------- */
 
-static strata_result copy_buffer(vk *v, VkBuffer from, uint64_t from_offset, VkBuffer to,
-                                 uint64_t to_offset, uint64_t size, base_error *err) {
-    const VkBufferCopy region = {.srcOffset = from_offset, .dstOffset = to_offset, .size = size};
+typedef enum vk_direction { GPU_VK_TO_HOST, GPU_VK_TO_DEVICE } vk_direction;
+
+static strata_result copy_piece(vk *v, const vk_buffer *buffer, uint64_t offset, uint64_t size,
+                                vk_direction direction, base_error *err) {
     VkCommandBuffer commands;
     strata_result result = vk_once_begin(v, &commands, err);
     if (result != STRATA_OK)
         return result;
-    vkCmdCopyBuffer(commands, from, to, 1, &region);
+    if (direction == GPU_VK_TO_HOST)
+        vkCmdCopyBuffer(commands, buffer->handle, v->staging.handle, 1,
+                        &(VkBufferCopy){.srcOffset = offset, .size = size});
+    else
+        vkCmdCopyBuffer(commands, v->staging.handle, buffer->handle, 1,
+                        &(VkBufferCopy){.dstOffset = offset, .size = size});
     return vk_once_run(v, err);
 }
 
@@ -32,23 +38,19 @@ strata_result vk_buffer_read(void *self, void *native, uint64_t offset, uint64_t
                              base_error *err) {
     vk *v = self;
     const vk_buffer *buffer = native;
-    unsigned char *to = data;
     strata_result result = vk_alive(v, err);
-    if (result != STRATA_OK)
-        return result;
-    if (buffer->memory.map) {
-        memcpy(to, buffer->memory.map + offset, size);
+    if (result == STRATA_OK && buffer->memory.map) {
+        memcpy(data, buffer->memory.map + offset, size);
         return STRATA_OK;
     }
-    result = need_staging(v, err);
-    while (size && result == STRATA_OK) {
-        const uint64_t piece = size < STAGING_SIZE ? size : STAGING_SIZE;
-        result = copy_buffer(v, buffer->handle, offset, v->staging.handle, 0, piece, err);
+    if (result == STRATA_OK)
+        result = need_staging(v, err);
+    for (uint64_t done = 0; done < size && result == STRATA_OK;) {
+        const uint64_t piece = size - done < STAGING_SIZE ? size - done : STAGING_SIZE;
+        result = copy_piece(v, buffer, offset + done, piece, GPU_VK_TO_HOST, err);
         if (result == STRATA_OK)
-            memcpy(to, v->staging.memory.map, piece);
-        to += piece;
-        offset += piece;
-        size -= piece;
+            memcpy((unsigned char *)data + done, v->staging.memory.map, piece);
+        done += piece;
     }
     return vk_report(v, result, err);
 }
@@ -57,22 +59,18 @@ strata_result vk_buffer_write(void *self, void *native, uint64_t offset, uint64_
                               const void *data, base_error *err) {
     vk *v = self;
     const vk_buffer *buffer = native;
-    const unsigned char *from = data;
     strata_result result = vk_alive(v, err);
-    if (result != STRATA_OK)
-        return result;
-    if (buffer->memory.map) {
-        memcpy(buffer->memory.map + offset, from, size);
+    if (result == STRATA_OK && buffer->memory.map) {
+        memcpy(buffer->memory.map + offset, data, size);
         return STRATA_OK;
     }
-    result = need_staging(v, err);
-    while (size && result == STRATA_OK) {
-        const uint64_t piece = size < STAGING_SIZE ? size : STAGING_SIZE;
-        memcpy(v->staging.memory.map, from, piece);
-        result = copy_buffer(v, v->staging.handle, 0, buffer->handle, offset, piece, err);
-        from += piece;
-        offset += piece;
-        size -= piece;
+    if (result == STRATA_OK)
+        result = need_staging(v, err);
+    for (uint64_t done = 0; done < size && result == STRATA_OK;) {
+        const uint64_t piece = size - done < STAGING_SIZE ? size - done : STAGING_SIZE;
+        memcpy(v->staging.memory.map, (const unsigned char *)data + done, piece);
+        result = copy_piece(v, buffer, offset + done, piece, GPU_VK_TO_DEVICE, err);
+        done += piece;
     }
     return vk_report(v, result, err);
 }
@@ -132,11 +130,9 @@ static void to_staging(const vk_image *image, unsigned char *staging, size_t cou
     }
 }
 
-typedef enum vk_direction { GPU_VK_TO_HOST, GPU_VK_TO_DEVICE } vk_direction;
-
 /* One piece between image and staging buffer. */
-static strata_result copy_piece(vk *v, const vk_image *image, const vk_rectangle *r,
-                                vk_direction direction, base_error *err) {
+static strata_result copy_texels(vk *v, const vk_image *image, const vk_rectangle *r,
+                                 vk_direction direction, base_error *err) {
     VkBufferImageCopy regions[2];
     VkCommandBuffer commands;
     const uint32_t count = piece_regions(image, r, regions);
@@ -176,7 +172,7 @@ strata_result vk_image_read(void *self, void *native, uint32_t layer, void *texe
     while (left.height && result == STRATA_OK) {
         const vk_rectangle piece = next_piece(image, &left);
         const size_t count = (size_t)piece.width * piece.height;
-        result = copy_piece(v, image, &piece, GPU_VK_TO_HOST, err);
+        result = copy_texels(v, image, &piece, GPU_VK_TO_HOST, err);
         if (result == STRATA_OK)
             from_staging(image, v->staging.memory.map, count, to);
         to += count * image->texel;
@@ -199,7 +195,7 @@ strata_result vk_image_write(void *self, void *native, uint32_t layer, uint32_t 
         const vk_rectangle piece = next_piece(image, &left);
         const size_t count = (size_t)piece.width * piece.height;
         to_staging(image, v->staging.memory.map, count, from);
-        result = copy_piece(v, image, &piece, GPU_VK_TO_DEVICE, err);
+        result = copy_texels(v, image, &piece, GPU_VK_TO_DEVICE, err);
         from += count * image->texel;
         left.y += piece.height;
         left.height -= piece.height;
