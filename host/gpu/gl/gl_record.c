@@ -257,9 +257,9 @@ static void raster_pass(gl *g, const gpu_native_pass *native) {
     writes_keep(g, target, native);
     g->fn.BindFramebuffer(GL_DRAW_FRAMEBUFFER, target);
     g->fn.Viewport(0, 0, (GLsizei)native->width, (GLsizei)native->height);
+    attachments_load(g, target, native);
     g->fn.Scissor((GLint)native->scissor[0], (GLint)native->scissor[1], (GLsizei)native->scissor[2],
                   (GLsizei)native->scissor[3]);
-    attachments_load(g, target, native);
     color_state_set(g, native);
     depth_state_set(g, native);
     draw(g, native);
