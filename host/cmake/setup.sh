@@ -78,6 +78,8 @@ setup_install() {
     # shellcheck disable=SC2086
     setup_apt install --no-install-recommends -y $missing || {
         setup_show_log 10
+        ! grep -q 'Unable to locate' "$SETUP_LOG" || ! grep -qs '^ID=ubuntu' /etc/os-release ||
+            setup_say "on Ubuntu, some of these are in the component universe; is it enabled?"
         setup_fail "apt-get install failed (see above); still missing: $(setup_missing "$missing")"
     }
 }
