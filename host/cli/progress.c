@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Interruption and progress: SIGINT makes the progress callback ask the library to stop, which then
+ * ends with nothing half-written; a bar is drawn on stderr when that is a terminal.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include "cli/cli.h"
+
+#include <signal.h>
+#include <string.h>
+#include <unistd.h>
+
+#define BAR 40
+
+static volatile sig_atomic_t interrupted;
+static int drawn = -1; /* percent shown, -1 = no bar on the terminal */
+
+static void on_interrupt(int signal_number) {
+    (void)signal_number;
+    interrupted = 1;
+}
+
+void cli_catch_interrupt(void) {
+    struct sigaction action = {.sa_handler = on_interrupt, .sa_flags = (int)SA_RESETHAND};
+    struct sigaction old;
+    if (sigaction(SIGINT, NULL, &old) == 0 && old.sa_handler == SIG_IGN)
+        return; /* started in the background: stay deaf */
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+}
+
+int cli_interrupted(void) {
+    return interrupted != 0;
+}
+
+strata_result cli_progress(void *user, double done) {
+    static int terminal = -1;
+    (void)user;
+    if (terminal < 0)
+        terminal = isatty(STDERR_FILENO);
+    int percent = done >= 1.0 ? 100 : done > 0.0 ? (int)(done * 100.0) : 0;
+    if (terminal && percent != drawn) {
+        static const char full[] = "########################################";
+        fprintf(stderr, "\r[%-*.*s] %3d %%", BAR, percent * BAR / 100, full, percent);
+        fflush(stderr);
+        drawn = percent;
+    }
+    return interrupted ? STRATA_ERROR_CANCELLED : STRATA_OK;
+}
+
+void cli_progress_end(void) {
+    if (drawn >= 0)
+        fprintf(stderr, "\r%*s\r", BAR + 9, "");
+    drawn = -1;
+}
