@@ -57,8 +57,9 @@ static plot survey(const generate_builder *b, uint32_t index, uint32_t side) {
     return out;
 }
 
-static void place_kind(generate_builder *b, uint32_t mesh, int kind, uint32_t count,
-                       uint32_t side) {
+/* One instance of `mesh` for each house of the kind. */
+static void place_houses(generate_builder *b, uint32_t mesh, int kind, uint32_t count,
+                         uint32_t side) {
     for (uint32_t i = 0; i < count && !b->failed; i++) {
         plot p = survey(b, i, side);
         if (p.kind == kind)
@@ -66,13 +67,61 @@ static void place_kind(generate_builder *b, uint32_t mesh, int kind, uint32_t co
     }
 }
 
-static void place_glass(generate_builder *b, uint32_t mesh, uint32_t count, uint32_t side) {
+static void place_fronts(generate_builder *b, uint32_t mesh, uint32_t count, uint32_t side) {
     for (uint32_t i = 0; i < count && !b->failed; i++) {
         plot p = survey(b, i, side);
         const double size[3] = {p.size[0] + 1.2, p.size[1] * 0.68, p.size[2] + 1.2};
         if (p.glass)
             generate_instance(b, mesh, p.centre, size);
     }
+}
+
+static void build_ground(generate_builder *b, uint32_t side) {
+    scene_material ground = scene_default_material();
+    ground.metallic = 0;
+    ground.roughness = 0.9f;
+    for (int c = 0; c < 3; c++)
+        ground.base_color[c] = 0.11f + 0.01f * (float)c;
+    uint32_t material = generate_material(b, "ground", &ground);
+    generate_mesh mesh = generate_mesh_begin(b, GENERATE_NORMALS);
+    generate_floor(&mesh, side * CITY_PITCH, 0, 10, 8);
+    generate_instance_here(b, generate_mesh_end(&mesh, "ground", material));
+}
+
+static void build_houses(generate_builder *b, int kind, uint32_t image, uint32_t count,
+                         uint32_t side) {
+    static const float tints[CITY_KINDS][3] = {{0.9f, 0.86f, 0.8f},  {0.74f, 0.42f, 0.32f},
+                                               {0.85f, 0.73f, 0.5f}, {0.6f, 0.65f, 0.7f},
+                                               {0.83f, 0.6f, 0.47f}, {0.56f, 0.62f, 0.5f}};
+    char name[32];
+    scene_material wall = scene_default_material();
+    wall.metallic = 0;
+    wall.roughness = 0.75f;
+    for (int c = 0; c < 3; c++)
+        wall.base_color[c] = tints[kind][c];
+    wall.base_color_texture.image = image; /* a picture a wall across, 2 to 4 of them up */
+    wall.base_color_texture.scale_rotate[0] = 4;
+    wall.base_color_texture.scale_rotate[3] = (float)(2 + kind % 3);
+    snprintf(name, sizeof name, "house %d", kind);
+    uint32_t material = generate_material(b, name, &wall);
+    generate_mesh mesh = generate_mesh_begin(b, GENERATE_NORMALS | GENERATE_UV);
+    house(&mesh, kind);
+    place_houses(b, generate_mesh_end(&mesh, name, material), kind, count, side);
+}
+
+static void build_fronts(generate_builder *b, uint32_t count, uint32_t side) {
+    scene_material pane = scene_default_material();
+    const double color[4] = {0.35, 0.6, 0.68, b->knobs[CITY_ALPHA]};
+    for (int c = 0; c < 4; c++)
+        pane.base_color[c] = (float)color[c];
+    pane.alpha = SCENE_BLEND;
+    pane.double_sided = 1;
+    pane.metallic = 0;
+    pane.roughness = 0.1f;
+    uint32_t material = generate_material(b, "glass front", &pane);
+    generate_mesh mesh = generate_mesh_begin(b, GENERATE_NORMALS);
+    generate_box(&mesh, (const double[3]){-0.5, 0.02, -0.5}, (const double[3]){0.5, 1, 0.5});
+    place_fronts(b, generate_mesh_end(&mesh, "glass front", material), count, side);
 }
 
 static void cameras(generate_builder *b, uint32_t side) {
@@ -91,46 +140,19 @@ static void cameras(generate_builder *b, uint32_t side) {
 
 void generate_city(generate_builder *b) {
     uint32_t count = generate_knob(b, CITY_COUNT);
-    uint32_t side = (uint32_t)ceil(sqrt(count));
-    scene_material ground = scene_default_material(), wall = ground, pane = ground;
-    ground.metallic = wall.metallic = pane.metallic = 0;
-    for (int c = 0; c < 3; c++)
-        ground.base_color[c] = 0.11f + 0.01f * (float)c;
-    ground.roughness = 0.9f;
-    uint32_t material = generate_material(b, "ground", &ground);
-    generate_mesh mesh = generate_mesh_begin(b, GENERATE_NORMALS | GENERATE_UV);
-    generate_floor(&mesh, side * CITY_PITCH, 0, 10, 8);
-    generate_instance_here(b, generate_mesh_end(&mesh, "ground", material));
-
-    wall.base_color_texture.image = facade(b);
-    wall.roughness = 0.75f;
-    for (int kind = 0; kind < CITY_KINDS; kind++) {
-        static const float tints[CITY_KINDS][3] = {{0.9f, 0.86f, 0.8f},  {0.74f, 0.42f, 0.32f},
-                                                   {0.85f, 0.73f, 0.5f}, {0.6f, 0.65f, 0.7f},
-                                                   {0.83f, 0.6f, 0.47f}, {0.56f, 0.62f, 0.5f}};
-        char name[32];
-        for (int c = 0; c < 3; c++)
-            wall.base_color[c] = tints[kind][c];
-        /* four windows a wall across, 4 * (2 + kind) storeys */
-        wall.base_color_texture.scale_rotate[0] = 4;
-        wall.base_color_texture.scale_rotate[3] = (float)(2 + kind % 3);
-        snprintf(name, sizeof name, "house %d", kind);
-        material = generate_material(b, name, &wall);
-        mesh = generate_mesh_begin(b, GENERATE_NORMALS | GENERATE_UV);
-        house(&mesh, kind);
-        place_kind(b, generate_mesh_end(&mesh, name, material), kind, count, side);
+    uint32_t side = (uint32_t)ceil(sqrt(count)), houses[CITY_KINDS] = {0}, fronts = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        plot p = survey(b, i, side);
+        houses[p.kind]++;
+        fronts += p.glass != 0;
     }
-    pane.alpha = SCENE_BLEND;
-    pane.double_sided = 1;
-    pane.roughness = 0.1f;
-    pane.base_color[0] = 0.35f;
-    pane.base_color[1] = 0.6f;
-    pane.base_color[2] = 0.68f;
-    pane.base_color[3] = (float)b->knobs[CITY_ALPHA];
-    material = generate_material(b, "glass front", &pane);
-    mesh = generate_mesh_begin(b, GENERATE_NORMALS);
-    generate_box(&mesh, (const double[3]){-0.5, 0.02, -0.5}, (const double[3]){0.5, 1, 0.5});
-    place_glass(b, generate_mesh_end(&mesh, "glass front", material), count, side);
+    build_ground(b, side);
+    uint32_t image = facade(b);
+    for (int kind = 0; kind < CITY_KINDS; kind++)
+        if (houses[kind])
+            build_houses(b, kind, image, count, side);
+    if (fronts)
+        build_fronts(b, count, side);
     generate_sun(b, (const double[3]){-0.55, -1, -0.65}, (const float[3]){2.8f, 2.6f, 2.3f});
     generate_sun(b, (const double[3]){0.6, -0.3, 0.8}, (const float[3]){0.4f, 0.5f, 0.65f});
     cameras(b, side);

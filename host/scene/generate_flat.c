@@ -223,11 +223,24 @@ void generate_layers(generate_builder *b) {
 
 /* ---- particles ------------------------------------------------------------------------------ */
 
+static void particles_core(generate_builder *b) {
+    scene_material solid = scene_default_material();
+    solid.metallic = 0;
+    solid.roughness = 0.6f;
+    solid.base_color[0] = solid.base_color[1] = solid.base_color[2] = 0.7f;
+    generate_mesh core = generate_mesh_begin(b, GENERATE_NORMALS);
+    generate_sphere(&core, (const double[3]){0, 0.1, 0}, 0.22, 24);
+    uint32_t index = generate_material(b, "core", &solid);
+    generate_instance_here(b, generate_mesh_end(&core, "core", index));
+    generate_sun(b, (const double[3]){-0.5, -1, -0.7}, (const float[3]){2.5f, 2.4f, 2.2f});
+}
+
 /* A vortex that widens and cools as it rises. */
 void generate_particles(generate_builder *b) {
     generate_random *random = &b->random;
     uint32_t count = generate_knob(b, PARTICLES_COUNT);
-    scene_material material = unlit_blend();
+    if (generate_knob(b, PARTICLES_CORE))
+        particles_core(b);
     generate_mesh mesh = generate_mesh_begin(b, GENERATE_COLORS | GENERATE_RADII);
     generate_mesh_reserve(&mesh, count, 0);
     for (uint32_t i = 0; i < count && !b->failed; i++) {
@@ -242,20 +255,9 @@ void generate_particles(generate_builder *b) {
         generate_color(&mesh, color, b->knobs[PARTICLES_ALPHA]);
         generate_radius(&mesh, b->knobs[PARTICLES_RADIUS] * generate_between(random, 0.5, 1.5));
     }
+    scene_material material = unlit_blend();
     uint32_t index = generate_material(b, "particle", &material);
-    uint32_t plume = generate_mesh_end(&mesh, "plume", index);
-    if (generate_knob(b, PARTICLES_CORE)) {
-        scene_material solid = scene_default_material();
-        solid.metallic = 0;
-        solid.roughness = 0.6f;
-        solid.base_color[0] = solid.base_color[1] = solid.base_color[2] = 0.7f;
-        generate_mesh core = generate_mesh_begin(b, GENERATE_NORMALS);
-        generate_sphere(&core, (const double[3]){0, 0.1, 0}, 0.22, 24);
-        index = generate_material(b, "core", &solid);
-        generate_instance_here(b, generate_mesh_end(&core, "core", index));
-        generate_sun(b, (const double[3]){-0.5, -1, -0.7}, (const float[3]){2.5f, 2.4f, 2.2f});
-    }
-    generate_instance_here(b, plume);
+    generate_instance_here(b, generate_mesh_end(&mesh, "plume", index));
     generate_camera(b, "front", (const double[3]){0.6, 0.5, 3.4}, (const double[3]){0, 0.02, 0}, 42,
                     0.1, 20);
 }

@@ -142,8 +142,8 @@ void generate_hairball(generate_builder *b) {
     uint32_t index = generate_material(b, "hair", &material);
     generate_instance_here(b, generate_mesh_end(&mesh, "hair", index));
     lights(b);
-    generate_camera(b, "front", (const double[3]){0.9, 0.7, 2.4}, (const double[3]){0, 0, 0}, 42,
-                    0.1, 10);
+    generate_camera(b, "front", (const double[3]){1, 0.8, 2.6}, (const double[3]){0, 0, 0}, 42, 0.1,
+                    10);
 }
 
 /* ---- needles -------------------------------------------------------------------------------- */
