@@ -19,7 +19,7 @@ typedef struct expansion {
     gpu *g;
     gpu_source *out;
     const strata_glsl *const *own;      /* NULL-terminated, or NULL */
-    const char *stack[DEEPEST_INCLUDE]; /* texts that are being pasted */
+    const char *stack[DEEPEST_INCLUDE]; /* paths that are being pasted */
     uint32_t depth;
     base_error *err;
 } expansion;
@@ -144,7 +144,7 @@ static strata_result paste_include(expansion *e, const char *path, uint32_t line
         return base_fail(e->err, STRATA_ERROR_SHADER, "%s:%u: include \"%s\" is not found", path,
                          line, name);
     for (uint32_t i = 0; i < e->depth; i++)
-        if (e->stack[i] == found.text)
+        if (strcmp(e->stack[i], found.path) == 0)
             return base_fail(e->err, STRATA_ERROR_SHADER, "%s:%u: \"%s\" includes itself", path,
                              line, name);
     if (e->depth == DEEPEST_INCLUDE)
@@ -186,7 +186,7 @@ static strata_result paste(expansion *e, const strata_glsl *glsl) {
     strata_result result = add_path(e, glsl->path, &number);
     if (result != STRATA_OK)
         return result;
-    e->stack[e->depth++] = glsl->text;
+    e->stack[e->depth++] = glsl->path;
     base_text_add(&e->out->text, "#line 1 %u\n", number);
     result = paste_lines(e, glsl, number);
     e->depth--;
