@@ -14,7 +14,7 @@
 
 #include <string.h>
 
-enum { GROUP = 64, PIXELS_PER_GROUP = 64 * GROUP, COUNT_LIMIT = 1 << 24 };
+enum { TILE = 64, COUNT_LIMIT = 1 << 24 };
 
 typedef struct abuffer {
     const strata_gpu *gpu;
@@ -78,16 +78,19 @@ static strata_result create_records(abuffer *a, const strata_view *view) {
     return a->gpu->pool_create(a->gpu->self, &desc, &a->records);
 }
 
-static strata_result prepare_contiguous(abuffer *a, const strata_view *view, uint64_t pixels) {
+static uint32_t tiles(uint32_t width, uint32_t height) {
+    return ((width + TILE - 1) / TILE) * ((height + TILE - 1) / TILE);
+}
+
+static strata_result prepare_contiguous(abuffer *a, const strata_view *view) {
     const strata_image_desc count = {.struct_size = sizeof count,
                                      .label = "fragment count",
                                      .format = STRATA_FORMAT_R32F,
                                      .width = view->width,
                                      .height = view->height};
-    uint64_t groups = (pixels + PIXELS_PER_GROUP - 1) / PIXELS_PER_GROUP;
     strata_result r = a->gpu->image_create(a->gpu->self, &count, &a->count);
     if (r == STRATA_OK)
-        r = buffer(a, "block sums", groups * 4, &a->sums);
+        r = buffer(a, "tile sums", tiles(view->band_width, view->band_height) * 4ull, &a->sums);
     if (r == STRATA_OK)
         r = program(a, STRATA_PROGRAM_SCENE, "count", &count_frag_glsl, &a->count_program);
     if (r == STRATA_OK)
@@ -114,7 +117,7 @@ static strata_result prepare(void *state, const strata_view *view) {
     if (r == STRATA_OK && a->layout == STRATA_FRAGMENTS_LINKED)
         r = program(a, STRATA_PROGRAM_COMPUTE, "heads", &heads_comp_glsl, &a->heads_program);
     if (r == STRATA_OK && a->layout == STRATA_FRAGMENTS_CONTIGUOUS)
-        r = prepare_contiguous(a, view, pixels);
+        r = prepare_contiguous(a, view);
     if (r == STRATA_OK)
         r = program(a, STRATA_PROGRAM_SCENE, "store", &store_frag_glsl, &a->store_program);
     if (r == STRATA_OK)
@@ -127,8 +130,7 @@ static strata_result prepare(void *state, const strata_view *view) {
 }
 
 static void record_count(const abuffer *a, const strata_frame *frame) {
-    const uint32_t pixels = frame->band_width * frame->band_height;
-    const uint32_t groups = (pixels + PIXELS_PER_GROUP - 1) / PIXELS_PER_GROUP;
+    const uint32_t groups = tiles(frame->band_width, frame->band_height);
     const strata_bind count = {.struct_size = sizeof count, .name = "count_image", .image = a->count};
     const strata_bind sums = {.struct_size = sizeof sums, .name = "Sums", .buffer = a->sums};
     const strata_bind largest = {.struct_size = sizeof largest, .name = "Largest", .buffer = a->largest};

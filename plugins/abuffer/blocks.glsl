@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// How the scans share the pixels of a band out: a work group takes a block, neighbouring invocations
-// neighbouring pixels.
-#define PIXELS_PER_INVOCATION 64u
-#define PIXELS_PER_GROUP (PIXELS_PER_INVOCATION * STRATA_GROUP)
+// How the scans share the pixels of a band out: a work group takes a tile of TILE x TILE pixels, an
+// invocation one column of it. Storage follows this order, so that the records of a tile lie together,
+// as rasterisers work.
+#define TILE 64u
 
-uint block_pixel(uint i) {
-    return gl_WorkGroupID.x * PIXELS_PER_GROUP + i * STRATA_GROUP + gl_LocalInvocationID.x;
+uvec2 tile_count() { return (strata_band.zw + TILE - 1u) / TILE; }
+
+// Index within the band of the invocation's i-th pixel; false beyond the band's edge.
+bool tile_pixel(uint i, out uint pixel) {
+    uint tiles = tile_count().x;
+    uvec2 p = uvec2(gl_WorkGroupID.x % tiles, gl_WorkGroupID.x / tiles) * TILE +
+              uvec2(gl_LocalInvocationID.x, i);
+    pixel = p.y * strata_band.z + p.x;
+    return p.x < strata_band.z && p.y < strata_band.w;
 }

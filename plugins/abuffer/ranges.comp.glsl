@@ -11,22 +11,20 @@ uniform sampler2D count_image;
 layout(std430) readonly buffer Sums { uint sums[]; };
 
 uint count_at(uint pixel) {
-    return pixel < strata_pixel_count()
-               ? uint(texelFetch(count_image, ivec2(strata_position(pixel)), 0).r)
-               : 0u;
+    return uint(texelFetch(count_image, ivec2(strata_position(pixel)), 0).r);
 }
 
 void main() {
-    uint sum = 0u;
-    for (uint i = 0u; i < PIXELS_PER_INVOCATION; ++i)
-        sum += count_at(block_pixel(i));
+    uint sum = 0u, pixel;
+    for (uint i = 0u; i < TILE; ++i)
+        if (tile_pixel(i, pixel))
+            sum += count_at(pixel);
     uint total;
     uint end = strata_add(sums[gl_WorkGroupID.x], strata_scan(sum, total));
-    for (uint i = 0u; i < PIXELS_PER_INVOCATION; ++i) {
-        uint pixel = block_pixel(i);
-        uint count = count_at(pixel);
-        end = strata_add(end, count);
-        if (pixel < strata_pixel_count())
+    for (uint i = 0u; i < TILE; ++i)
+        if (tile_pixel(i, pixel)) {
+            uint count = count_at(pixel);
+            end = strata_add(end, count);
             strata_ranges[pixel] = uvec2(end, count);
-    }
+        }
 }

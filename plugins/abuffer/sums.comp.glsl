@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// abuffer, contiguous, pass 2: fragments in each block of PIXELS_PER_GROUP pixels, and the largest
+// abuffer, contiguous, pass 2: fragments in each tile, and the largest
 // count. A count of 2^24 cannot be told from more; verify() refuses it.
 #include "strata/frame.glsl"
 #include "strata/scan.glsl"
@@ -12,9 +12,9 @@ layout(std430) buffer Largest { uint largest_count; };
 
 void main() {
     uint sum = 0u, largest = 0u;
-    for (uint i = 0u; i < PIXELS_PER_INVOCATION; ++i) {
-        uint pixel = block_pixel(i);
-        uint count = pixel < strata_pixel_count()
+    for (uint i = 0u; i < TILE; ++i) {
+        uint pixel;
+        uint count = tile_pixel(i, pixel)
                          ? uint(texelFetch(count_image, ivec2(strata_position(pixel)), 0).r)
                          : 0u;
         sum += count;

@@ -15,10 +15,8 @@
 #include "strata/fragments.glsl"
 #include "strata/scan.glsl"
 #include "strata/sort.glsl"
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 #include "deep.glsl"
 
-CLASS_TABLE(readonly)
 layout(std430) readonly buffer BlockOwner { uint block_owner[]; };
 layout(std430) writeonly buffer Slots0 { uint slots0[]; };
 #if STRATA_LAYOUT == 1
@@ -43,7 +41,7 @@ layout(std430) readonly buffer Slots1 { uint slots1[]; };
 
 void main() {
     uint block = strata_item();
-    if (!deep_fits() || block >= block_needed)
+    if (deep_fits == 0u || block >= blocks)
         return;
     uint deep = block_owner[block];
     uvec2 range = strata_ranges[lists[classes[CLASS_DEEP].offset + deep]];

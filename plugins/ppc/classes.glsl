@@ -29,4 +29,6 @@ struct Class {
         uvec4 block_groups; /* blocks of the deep pixels */                                        \
         uint largest;       /* fragments in one pixel */                                           \
         uint blocks;        /* of the deep pixels */                                               \
+        uint cursor;        /* of pass 3: blocks that were given out */                            \
+        uint deep_fits;     /* 1: no pool of the deep pixels is too small */                       \
     };

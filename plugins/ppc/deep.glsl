@@ -5,16 +5,8 @@
 // loops over a whole pixel; only the fold does, in chunks of WALK_CHUNK.
 #include "classes.glsl"
 
+CLASS_TABLE(readonly)
 layout(std430) readonly buffer Lists { uint lists[]; };
 layout(std430) readonly buffer DeepBase { uint deep_base[]; }; // first block of a deep pixel
-layout(std430) readonly buffer DeepPool { uint deep_needed; uint deep_capacity; };
-layout(std430) readonly buffer BlockPool { uint block_needed; uint block_capacity; };
-layout(std430) readonly buffer SlotPool { uint slot_needed; uint slot_capacity; };
-
-// False while a pool is too small: the frame is going to be recorded again.
-bool deep_fits() {
-    return deep_needed <= deep_capacity && block_needed <= block_capacity &&
-           slot_needed <= slot_capacity && strata_needed <= strata_capacity;
-}
 
 uint blocks_of(uint count) { return (count + DEEP_BLOCK - 1u) / DEEP_BLOCK; }

@@ -6,12 +6,13 @@
 #include "classes.glsl"
 
 CLASS_TABLE(restrict)
-layout(std430) writeonly buffer DeepPool { uint deep_needed; };
-layout(std430) writeonly buffer BlockPool { uint block_needed; };
-layout(std430) writeonly buffer SlotPool { uint slot_needed; };
-layout(std430) writeonly buffer WalkPool { uint walk_needed; };
+layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
+layout(std430) buffer DeepPool { uint deep_needed; uint deep_capacity; };
+layout(std430) buffer BlockPool { uint block_needed; uint block_capacity; };
+layout(std430) buffer SlotPool { uint slot_needed; uint slot_capacity; };
+layout(std430) buffer WalkPool { uint walk_needed; uint walk_capacity; };
 #if STRATA_LAYOUT == 1
-layout(std430) writeonly buffer IndexPool { uint index_needed; };
+layout(std430) buffer IndexPool { uint index_needed; uint index_capacity; };
 #endif
 
 void main() {
@@ -28,8 +29,12 @@ void main() {
     block_needed = blocks;
     slot_needed = blocks > 0xffffffffu / DEEP_BLOCK ? 0xffffffffu : blocks * DEEP_BLOCK;
     walk_needed = largest > WALK_CHUNK ? classes[CLASS_DEEP].count : 0u;
+    bool fits = strata_needed <= strata_capacity && deep_needed <= deep_capacity &&
+                block_needed <= block_capacity && slot_needed <= slot_capacity &&
+                walk_needed <= walk_capacity;
 #if STRATA_LAYOUT == 1
     index_needed = blocks > 0u ? strata_pixel_count() : 0u;
+    fits = fits && index_needed <= index_capacity;
 #endif
-    blocks = 0u; // becomes the cursor of pass 3
+    deep_fits = uint(fits);
 }

@@ -7,14 +7,13 @@
 layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 #include "deep.glsl"
 
-layout(std430) readonly buffer IndexPool { uint index_needed; uint index_capacity; };
 layout(std430) readonly buffer DeepIndex { uint deep_index[]; };
 layout(std430) buffer DeepCursor { uint deep_cursor[]; };
 layout(std430) writeonly buffer Slots1 { uint slots1[]; };
 
 void main() {
     uint slot = strata_item();
-    if (slot >= strata_needed || !deep_fits() || index_needed > index_capacity)
+    if (slot >= strata_needed || deep_fits == 0u)
         return;
     uint pixel = strata_links[slot].y;
     if (class_of(strata_ranges[pixel].y) != CLASS_DEEP)

@@ -11,9 +11,7 @@
 CLASS_TABLE(restrict)
 layout(std430) writeonly buffer Lists { uint lists[]; };
 layout(std430) writeonly buffer DeepBase { uint deep_base[]; };
-layout(std430) readonly buffer DeepPool { uint deep_needed; uint deep_capacity; };
 #if STRATA_LAYOUT == 1
-layout(std430) readonly buffer IndexPool { uint index_needed; uint index_capacity; };
 layout(std430) writeonly buffer DeepIndex { uint deep_index[]; };
 #endif
 shared uint group_count[CLASS_COUNT], group_offset[CLASS_COUNT];
@@ -49,12 +47,12 @@ void main() {
         lists[at] = pixel;
         if (c == CLASS_DEEP) {
             uint deep = at - classes[CLASS_DEEP].offset;
-            uint base = atomicAdd(blocks, (count + DEEP_BLOCK - 1u) / DEEP_BLOCK);
-            if (deep < deep_capacity)
-                deep_base[deep] = base;
+            uint base = atomicAdd(cursor, (count + DEEP_BLOCK - 1u) / DEEP_BLOCK);
+            if (deep_fits == 0u)
+                continue;
+            deep_base[deep] = base;
 #if STRATA_LAYOUT == 1
-            if (pixel < index_capacity)
-                deep_index[pixel] = deep;
+            deep_index[pixel] = deep;
 #endif
         }
     }

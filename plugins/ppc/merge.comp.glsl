@@ -5,10 +5,8 @@
 // bisection along the merge path (Green, McColl, Bader 2012).
 #include "strata/fragments.glsl"
 #include "strata/scan.glsl"
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 #include "deep.glsl"
 
-CLASS_TABLE(readonly)
 layout(std430) readonly buffer BlockOwner { uint block_owner[]; };
 layout(std430) buffer Slots0 { uint slots0[]; };
 layout(std430) buffer Slots1 { uint slots1[]; };
@@ -25,7 +23,7 @@ void put(uint at, uint slot) {
 
 void main() {
     uint block = strata_item();
-    if (!deep_fits() || block >= block_needed)
+    if (deep_fits == 0u || block >= blocks)
         return;
     uint deep = block_owner[block];
     uint count = strata_ranges[lists[classes[CLASS_DEEP].offset + deep]].y;

@@ -5,10 +5,8 @@
 #include "strata/fragments.glsl"
 #include "strata/scan.glsl"
 #include "strata/sort.glsl"
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 #include "deep.glsl"
 
-CLASS_TABLE(readonly)
 layout(std430) writeonly buffer BlockOwner { uint block_owner[]; };
 #if STRATA_LAYOUT == 1
 layout(std430) writeonly buffer DeepCursor { uint deep_cursor[]; };
@@ -16,7 +14,7 @@ layout(std430) writeonly buffer DeepCursor { uint deep_cursor[]; };
 
 void main() {
     uint deep = strata_item();
-    if (deep >= classes[CLASS_DEEP].count || !deep_fits())
+    if (deep >= classes[CLASS_DEEP].count || deep_fits == 0u)
         return;
     uint count = blocks_of(strata_ranges[lists[classes[CLASS_DEEP].offset + deep]].y);
     uint base = deep_base[deep];

@@ -30,9 +30,9 @@ typedef struct table {
         uint32_t count, offset, cursor, unused, groups[4];
     } classes[CLASS_COUNT];
     uint32_t tied_groups[4], block_groups[4];
-    uint32_t largest, blocks;
+    uint32_t largest, blocks, cursor, deep_fits;
 } table;
-_Static_assert(sizeof(table) == 232, "mirrors CLASS_TABLE");
+_Static_assert(sizeof(table) == 240, "mirrors CLASS_TABLE");
 
 typedef struct ppc {
     const strata_gpu *gpu;
@@ -229,6 +229,7 @@ static void record_classify(const ppc *p, const strata_frame *frame) {
 
     b.count = 0;
     add_buffer(&b, "Classes", p->classes);
+    add_pool(&b, p->fragments->records);
     add_pool(&b, p->deep);
     add_pool(&b, p->block);
     add_pool(&b, p->slot);
@@ -289,15 +290,15 @@ static void record_deep(const ppc *p, const strata_frame *frame) {
     add_pool(&b, p->deep);
     add_pool(&b, p->block);
     add_pool(&b, p->slot);
-    const uint32_t pools = b.count;
     add_buffer(&b, "Classes", p->classes);
+    const uint32_t common = b.count;
     add_buffer(&b, "Lists", p->lists);
 
     dispatch_indirect(p, frame, "owners", p->owners_program, &b, deep, NULL);
     if (linked) {
         binds g = b;
         uint32_t groups[3];
-        g.count = pools;
+        g.count = common;
         add_pool(&g, p->index);
         strata_groups(p->gpu->pool_capacity(p->gpu->self, p->fragments->records), groups);
         dispatch(frame, "gather", p->gather_program, &g, groups);

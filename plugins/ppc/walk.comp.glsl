@@ -6,14 +6,11 @@
 #include "strata/fragments.glsl"
 #include "strata/fold.glsl"
 #include "strata/scan.glsl"
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 #include "deep.glsl"
 #include "output.glsl"
 
-CLASS_TABLE(readonly)
 layout(std430) readonly buffer Slots0 { uint slots0[]; };
 layout(std430) readonly buffer Slots1 { uint slots1[]; };
-layout(std430) readonly buffer WalkPool { uint walk_needed; uint walk_capacity; };
 layout(std430) buffer WalkState0 { vec2 walk_state0[]; };
 layout(std430) buffer WalkState1 { vec2 walk_state1[]; };
 layout(std430) buffer WalkState2 { vec2 walk_state2[]; };
@@ -39,7 +36,7 @@ void store_state(uint deep, StrataElement walk) {
 
 void main() {
     uint deep = strata_item();
-    if (!deep_fits() || walk_needed > walk_capacity || deep >= deep_needed)
+    if (deep_fits == 0u || deep >= classes[CLASS_DEEP].count)
         return;
     uint pixel = lists[classes[CLASS_DEEP].offset + deep];
     uint count = strata_ranges[pixel].y;

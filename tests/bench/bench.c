@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The benchmark: techniques as multiples of the floor, in one process, configurations interleaved in
+ * shuffled order, the camera turned by a degree a frame. Prints one JSON object; see --help.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include <jansson.h>
+
+#include "strata/host.h"
+
+enum { MAX_CONFIGS = 32, MAX_FRAMES = 1001 };
+
+typedef struct config {
+    const char *backend, *use, *settings[4];
+    uint32_t setting_count;
+    char name[96];
+    strata *instance;
+    strata_scene *scene;
+    double ms[MAX_FRAMES], cpu_ms[MAX_FRAMES];
+    json_t *account;
+} config;
+
+typedef struct options {
+    const char *scene, *backends, *module_path;
+    uint32_t width, height, frames, warmup;
+} options;
+
+static double now_ms(clockid_t clock) {
+    struct timespec t;
+    clock_gettime(clock, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
+
+static int by_value(const void *a, const void *b) {
+    const double left = *(const double *)a, right = *(const double *)b;
+    return left < right ? -1 : left > right;
+}
+
+static double median(const double *values, uint32_t count) {
+    double sorted[MAX_FRAMES];
+    memcpy(sorted, values, count * sizeof *values);
+    qsort(sorted, count, sizeof *sorted, by_value);
+    return count % 2 ? sorted[count / 2] : (sorted[count / 2 - 1] + sorted[count / 2]) / 2;
+}
+
+static double deviation(const double *values, uint32_t count) {
+    double away[MAX_FRAMES];
+    const double middle = median(values, count);
+    for (uint32_t i = 0; i < count; ++i)
+        away[i] = values[i] > middle ? values[i] - middle : middle - values[i];
+    return median(away, count);
+}
+
+static strata_result append(void *user, const char *bytes, size_t size) {
+    json_t **text = user;
+    json_t *longer = json_sprintf("%s%.*s", json_string_value(*text), (int)size, bytes);
+    json_decref(*text);
+    *text = longer;
+    return longer ? STRATA_OK : STRATA_ERROR_OUT_OF_HOST_MEMORY;
+}
+
+static json_t *read_account(strata *s) {
+    json_t *text = json_string("");
+    json_t *account = NULL;
+    if (strata_account(s, append, &text) == STRATA_OK)
+        account = json_loads(json_string_value(text), 0, NULL);
+    json_decref(text);
+    return account;
+}
+
+/* Time of the last frame as the host saw it: planning and reading back are not part of it. */
+static double last_frame(json_t *account) {
+    json_t *frames = json_object_get(account, "frame_ms");
+    return json_number_value(json_array_get(frames, json_array_size(frames) - 1));
+}
+
+static int open_config(config *c, const options *o) {
+    const strata_open_options open = {.struct_size = sizeof open,
+                                      .backend = c->backend,
+                                      .module_path = o->module_path};
+    if (strata_open(&open, &c->instance) != STRATA_OK ||
+        strata_scene_load(c->instance, o->scene, &c->scene) != STRATA_OK) {
+        fprintf(stderr, "bench: %s: %s\n", c->name, strata_error(c->instance));
+        return 0;
+    }
+    return 1;
+}
+
+static int run_frame(config *c, const options *o, int32_t frame) {
+    char camera[64];
+    snprintf(camera, sizeof camera, "orbit:%d,20", frame < 0 ? 0 : frame);
+    const double cpu = now_ms(CLOCK_PROCESS_CPUTIME_ID);
+    const strata_render_options render = {.struct_size = sizeof render,
+                                          .width = o->width,
+                                          .height = o->height,
+                                          .use = c->use,
+                                          .settings = c->settings,
+                                          .setting_count = c->setting_count,
+                                          .camera = camera};
+    if (strata_render(c->instance, c->scene, &render) != STRATA_OK) {
+        fprintf(stderr, "bench: %s: %s\n", c->name, strata_error(c->instance));
+        return 0;
+    }
+    json_decref(c->account);
+    c->account = read_account(c->instance);
+    if (frame >= 0) {
+        c->ms[frame] = last_frame(c->account);
+        c->cpu_ms[frame] = now_ms(CLOCK_PROCESS_CPUTIME_ID) - cpu;
+    }
+    return 1;
+}
+
+static void shuffle(uint32_t *order, uint32_t count, uint32_t *state) {
+    for (uint32_t i = count; i > 1; --i) {
+        *state = *state * 1664525u + 1013904223u;
+        const uint32_t j = (*state >> 8) % i, swap = order[i - 1];
+        order[i - 1] = order[j];
+        order[j] = swap;
+    }
+}
+
+static int run_all(config *configs, uint32_t count, const options *o) {
+    uint32_t order[MAX_CONFIGS], state = 1;
+    for (uint32_t i = 0; i < count; ++i)
+        order[i] = i;
+    for (uint32_t i = 0; i < count; ++i)
+        for (uint32_t w = 0; w < o->warmup; ++w)
+            if (!run_frame(&configs[i], o, -1))
+                return 0;
+    for (uint32_t frame = 0; frame < o->frames; ++frame) {
+        shuffle(order, count, &state);
+        for (uint32_t i = 0; i < count; ++i)
+            if (!run_frame(&configs[order[i]], o, (int32_t)frame))
+                return 0;
+        fprintf(stderr, "\rbench: frame %u of %u", frame + 1, o->frames);
+    }
+    fputc('\n', stderr);
+    return 1;
+}
+
+/* ---- what to measure ----------------------------------------------------------------------------- */
+
+static void add(config *configs, uint32_t *count, const char *backend, const char *use,
+                const char *first, const char *second) {
+    config *c = &configs[(*count)++];
+    *c = (config){.backend = backend, .use = use};
+    if (first)
+        c->settings[c->setting_count++] = first;
+    if (second)
+        c->settings[c->setting_count++] = second;
+    snprintf(c->name, sizeof c->name, "%s%s%s%s%s", use, first ? " " : "", first ? first : "",
+             second ? " " : "", second ? second : "");
+}
+
+static uint32_t make_configs(config *configs, const options *o) {
+    static const char *const backends[] = {"vulkan", "gl"};
+    uint32_t count = 0;
+    for (size_t b = 0; b < 2; ++b) {
+        if (!strstr(o->backends, backends[b]))
+            continue;
+        add(configs, &count, backends[b], "floor", NULL, NULL);
+        add(configs, &count, backends[b], "abuffer,ppc", NULL, NULL);
+        add(configs, &count, backends[b], "abuffer,ppc", "abuffer.payload=half", NULL);
+        add(configs, &count, backends[b], "abuffer,ppc", "abuffer.payload=unorm8", NULL);
+        add(configs, &count, backends[b], "abuffer,ppc", "abuffer.mode=linked", NULL);
+    }
+    return count;
+}
+
+static double floor_of(const config *configs, uint32_t count, const char *backend, uint32_t frames) {
+    for (uint32_t i = 0; i < count; ++i)
+        if (strcmp(configs[i].backend, backend) == 0 && strcmp(configs[i].use, "floor") == 0)
+            return median(configs[i].ms, frames);
+    return 0;
+}
+
+static double fragments_of(const config *configs, uint32_t count) {
+    for (uint32_t i = 0; i < count; ++i) {
+        json_t *total = json_object_get(json_object_get(configs[i].account, "fragments"), "total");
+        if (json_is_integer(total))
+            return json_number_value(total);
+    }
+    return 0;
+}
+
+static json_t *result_of(const config *c, double floor_ms, double fragments, const options *o) {
+    const double ms = median(c->ms, o->frames);
+    json_t *bytes = json_object_get(c->account, "bytes");
+    const double stored = json_number_value(json_object_get(bytes, "abuffer")) +
+                          json_number_value(json_object_get(bytes, "ppc"));
+    const double pixels = (double)o->width * o->height;
+    return json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:O, s:O, s:O}", "name", c->name,
+                     "backend", c->backend, "ms", ms, "mad_ms", deviation(c->ms, o->frames),
+                     "cpu_ms", median(c->cpu_ms, o->frames), "x_floor", ms / floor_ms,
+                     "mfragments_s", fragments / ms / 1e3, "bytes_a_fragment_beyond_16_a_pixel",
+                     fragments > 0 ? (stored - 16 * pixels) / fragments : 0, "bytes", bytes,
+                     "passes", json_object_get(c->account, "passes"), "device",
+                     json_object_get(c->account, "device"));
+}
+
+static int print_results(const config *configs, uint32_t count, const options *o) {
+    const double fragments = fragments_of(configs, count);
+    json_t *results = json_array();
+    for (uint32_t i = 0; i < count; ++i)
+        json_array_append_new(results, result_of(&configs[i],
+                                                 floor_of(configs, count, configs[i].backend,
+                                                          o->frames),
+                                                 fragments, o));
+    json_t *root = json_pack("{s:s, s:[i,i], s:i, s:f, s:o}", "scene", o->scene, "size",
+                             (int)o->width, (int)o->height, "frames", (int)o->frames, "fragments",
+                             fragments, "results", results);
+    const int failed = !root || json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(6));
+    putchar('\n');
+    json_decref(root);
+    return !failed;
+}
+
+static int usage(int status) {
+    fputs("usage: bench [--scene SCENE] [--size WxH] [--frames N] [--warmup N]\n"
+          "             [--backends vulkan,gl] [--modules FOLDERS]\n"
+          "Prints JSON: each technique's frame time as a multiple of the floor.\n"
+          "Defaults: scene:soup, 512x512, 11 frames, 3 to warm up, both backends.\n",
+          status ? stderr : stdout);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    options o = {.scene = "scene:soup", .backends = "vulkan,gl", .module_path = BENCH_MODULES,
+                 .width = 512, .height = 512, .frames = 11, .warmup = 3};
+    static config configs[MAX_CONFIGS];
+    for (int i = 1; i < argc; i += 2) {
+        const char *value = i + 1 < argc ? argv[i + 1] : NULL;
+        if (strcmp(argv[i], "--help") == 0)
+            return usage(0);
+        if (!value)
+            return usage(2);
+        if (strcmp(argv[i], "--scene") == 0)
+            o.scene = value;
+        else if (strcmp(argv[i], "--backends") == 0)
+            o.backends = value;
+        else if (strcmp(argv[i], "--modules") == 0)
+            o.module_path = value;
+        else if (strcmp(argv[i], "--frames") == 0)
+            o.frames = (uint32_t)strtoul(value, NULL, 10);
+        else if (strcmp(argv[i], "--warmup") == 0)
+            o.warmup = (uint32_t)strtoul(value, NULL, 10);
+        else if (strcmp(argv[i], "--size") != 0 ||
+                 sscanf(value, "%ux%u", &o.width, &o.height) != 2)
+            return usage(2);
+    }
+    if (o.frames == 0 || o.frames > MAX_FRAMES)
+        return usage(2);
+    const uint32_t count = make_configs(configs, &o);
+    int ok = 1;
+    for (uint32_t i = 0; i < count && ok; ++i)
+        ok = open_config(&configs[i], &o);
+    ok = ok && run_all(configs, count, &o) && print_results(configs, count, &o);
+    for (uint32_t i = 0; i < count; ++i) {
+        json_decref(configs[i].account);
+        if (configs[i].instance)
+            strata_close(configs[i].instance);
+    }
+    return ok ? 0 : 1;
+}
