@@ -52,7 +52,10 @@ void glb_string(base_text *text, const char *string) {
 
 /* ---- the binary chunk ----------------------------------------------------------------------- */
 
-static uint32_t add_view(glb_writer *w, const void *data, void *owned, size_t size) {
+enum { GLB_VERTICES = 34962, GLB_INDICES = 34963 }; /* bufferView.target; 0: neither */
+
+static uint32_t add_view(glb_writer *w, const void *data, void *owned, size_t size,
+                         unsigned target) {
     glb_piece *pieces = base_grow(w->pieces, &w->piece_capacity, w->piece_count, sizeof *pieces);
     w->failed |= !pieces;
     if (!pieces) {
@@ -61,8 +64,12 @@ static uint32_t add_view(glb_writer *w, const void *data, void *owned, size_t si
     }
     w->pieces = pieces;
     pieces[w->piece_count++] = (glb_piece){.data = data, .owned = owned, .size = size};
-    base_text_add(glb_begin(&w->views), "\"buffer\":0,\"byteOffset\":%llu,\"byteLength\":%zu}",
+    base_text *text = glb_begin(&w->views);
+    base_text_add(text, "\"buffer\":0,\"byteOffset\":%llu,\"byteLength\":%zu",
                   (unsigned long long)w->length, size);
+    if (target)
+        base_text_add(text, ",\"target\":%u", target);
+    base_text_add(text, "}");
     w->length += ((uint64_t)size + 3) & ~(uint64_t)3;
     return w->views.count - 1;
 }
@@ -79,7 +86,9 @@ static base_text *add_accessor(glb_writer *w, uint32_t view, uint32_t component,
 
 uint32_t glb_floats(glb_writer *w, const float *values, float *owned, uint32_t count,
                     uint32_t width) {
-    uint32_t view = add_view(w, values, owned, (size_t)count * width * sizeof(float));
+    /* what is made for the file is per instance, which has no target */
+    uint32_t view =
+        add_view(w, values, owned, (size_t)count * width * sizeof(float), owned ? 0 : GLB_VERTICES);
     base_text_add(add_accessor(w, view, 5126, count, width), "}");
     return w->accessors.count - 1;
 }
@@ -93,8 +102,8 @@ static uint32_t write_positions(glb_writer *w, const scene_mesh *mesh) {
         low[i % 3] = fminf(low[i % 3], mesh->positions[i]);
         high[i % 3] = fmaxf(high[i % 3], mesh->positions[i]);
     }
-    uint32_t view =
-        add_view(w, mesh->positions, NULL, (size_t)mesh->vertex_count * 3 * sizeof(float));
+    uint32_t view = add_view(w, mesh->positions, NULL,
+                             (size_t)mesh->vertex_count * 3 * sizeof(float), GLB_VERTICES);
     base_text *text = add_accessor(w, view, 5126, mesh->vertex_count, 3);
     glb_numbers(text, "min", low, 3);
     glb_numbers(text, "max", high, 3);
@@ -109,7 +118,8 @@ static uint32_t write_indices(glb_writer *w, const scene_mesh *mesh) {
         i++;
     if (mesh->topology == SCENE_POINTS && i == mesh->index_count && i == mesh->vertex_count)
         return SCENE_NONE;
-    uint32_t view = add_view(w, mesh->indices, NULL, (size_t)mesh->index_count * sizeof(uint32_t));
+    uint32_t view =
+        add_view(w, mesh->indices, NULL, (size_t)mesh->index_count * sizeof(uint32_t), GLB_INDICES);
     base_text_add(add_accessor(w, view, 5125, mesh->index_count, 1), "}");
     return w->accessors.count - 1;
 }
@@ -148,7 +158,7 @@ static void write_images(glb_writer *w, strata_result *result, base_error *err) 
         *result = image_encode_png(im->name, im->pixels, im->width, im->height, &data, &size, err);
         if (*result != STRATA_OK)
             return;
-        uint32_t view = add_view(w, data, data, size);
+        uint32_t view = add_view(w, data, data, size, 0);
         base_text *text = glb_begin(&w->images);
         base_text_add(text, "\"bufferView\":%u,\"mimeType\":\"image/png\",\"name\":", view);
         glb_string(text, im->name);
