@@ -13,6 +13,14 @@ typedef struct floor_state {
     strata_program program;
 } floor_state;
 
+static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
+                              strata_cost *cost) {
+    (void)stats;
+    (void)settings;
+    (void)cost; /* keeps nothing */
+    return STRATA_OK;
+}
+
 static strata_result create(void *state, const strata_host *host, const strata_gpu *gpu) {
     (void)host;
     ((floor_state *)state)->gpu = gpu;
@@ -77,6 +85,7 @@ static const strata_technique technique = {.struct_size = sizeof(strata_techniqu
                                            .slot_count = 3,
                                            .promises = &promises,
                                            .cost = &cost,
+                                           .estimate = estimate,
                                            .create = create,
                                            .prepare = prepare,
                                            .record = record,
