@@ -30,7 +30,6 @@ static void *decode_realloc(void *old, size_t size) {
 #define STBI_NO_LINEAR
 #define STBI_NO_HDR
 #define STBI_NO_FAILURE_STRINGS
-#define STBI_MAX_DIMENSIONS 16384
 #pragma GCC diagnostic ignored "-Wunused-function" /* judged at the end of the file */
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
@@ -71,11 +70,13 @@ strata_result scene_decode_image(const unsigned char *bytes, size_t size, scene_
                          height, SCENE_MAX_IMAGE, SCENE_MAX_IMAGE);
     /* 16-bit RGBA, doubled by a growing buffer, filter bytes and tables. */
     decode_budget = (size_t)width * (size_t)height * 16u + (size_t)height * 16u + (1u << 20);
-    int decoded_width, decoded_height;
+    int decoded_width = 0, decoded_height = 0;
     unsigned char *pixels =
         stbi_load_from_memory(bytes, (int)size, &decoded_width, &decoded_height, &channels, 4);
-    if (!pixels)
+    if (!pixels || decoded_width != width || decoded_height != height) {
+        free(pixels);
         return base_fail(err, STRATA_ERROR_BAD_FILE, "is damaged, or there is no memory for it");
+    }
     out->width = (uint32_t)decoded_width;
     out->height = (uint32_t)decoded_height;
     out->pixels = pixels;
