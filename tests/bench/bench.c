@@ -3,6 +3,8 @@
  * The benchmark: techniques as multiples of the floor, in one process, configurations interleaved in
  * shuffled order, the camera turned by a degree a frame. Prints one JSON object; see --help.
  */
+#define _POSIX_C_SOURCE 200809L
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
