@@ -27,5 +27,5 @@ for backend in vulkan gl; do
         "$PWD/$out/$backend.json"
 done
 printf 'compare  '
-"$strata" compare "$out/vulkan.png" "$out/gl.png" | tr '\n' ' '
+"$strata" compare "$out/vulkan.png" "$out/gl.png" | tr -s ' \n' ' '
 printf '\n'
