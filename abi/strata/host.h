@@ -87,7 +87,8 @@ typedef struct strata_render_options {
     uint32_t repeat;            /* frames to render, 0 = 1; the last is kept, all are accounted */
     uint32_t bands;             /* at least this many bands, 0 = as memory asks; for tests */
     uint32_t shuffle;           /* not 0: seed that permutes draws and triangles as submitted; for tests */
-    double turn;                /* degrees that the camera turns about the vertical each frame */
+    double angle;               /* degrees that the camera is turned about the scene's vertical axis */
+    double turn;                /* and by how many more each frame of a repeat */
     double tolerance;           /* largest certified error asked for; 0 = exact techniques */
     /* Progress of long work, 0..1; return not OK to stop (CANCELLED). NULL = none. */
     strata_result (*progress)(void *user, double done);

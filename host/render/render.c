@@ -92,7 +92,7 @@ static strata_result render_frames(strata *s, const strata_render_options *optio
     result->frame_count = 0;
     for (uint32_t i = 0; i < options->repeat; ++i) {
         const double begin = base_now_ms();
-        strata_result r = scene_view_make(s->session->scene, options->camera, options->turn * i,
+        strata_result r = scene_view_make(s->session->scene, options->camera, options->angle + options->turn * i,
                                           options->width, options->height, &result->view, err);
         if (r == STRATA_OK && i == 0)
             r = upload_set_key_light(s->session->upload, &result->view, err);

@@ -93,8 +93,6 @@ static int open_config(config *c, const options *o) {
 }
 
 static int run_frame(config *c, const options *o, int32_t frame) {
-    char camera[64];
-    snprintf(camera, sizeof camera, "orbit:%d,20", frame < 0 ? 0 : frame);
     const double cpu = now_ms(CLOCK_PROCESS_CPUTIME_ID);
     const strata_render_options render = {.struct_size = sizeof render,
                                           .width = o->width,
@@ -102,7 +100,7 @@ static int run_frame(config *c, const options *o, int32_t frame) {
                                           .use = c->use,
                                           .settings = c->settings,
                                           .setting_count = c->setting_count,
-                                          .camera = camera};
+                                          .angle = frame < 0 ? 0 : frame};
     if (strata_render(c->instance, c->scene, &render) != STRATA_OK) {
         fprintf(stderr, "bench: %s: %s\n", c->name, strata_error(c->instance));
         return 0;
