@@ -149,20 +149,14 @@ static void gl_close(void *self) {
     gl *g = self;
     if (!g)
         return;
-    if (g->entered > 0 || gl_enter(g, NULL) == STRATA_OK) {
-        gl_timers_free(g);
-        gl_targets_forget(g, NULL);
-        g->entered = 1;
-    } else { /* lost, or current elsewhere: the context's end frees what it holds */
-        free(g->samples);
-        free(g->queries);
-        g->entered = 0;
-    }
-    free(g->targets);
-    if (g->entered > 0)
+    /* Where it cannot be made current (lost, or current elsewhere), its end frees what it holds. */
+    if (g->entered > 0 || gl_enter(g, NULL) == STRATA_OK)
         gl_context_destroy(g);
     else
         eglDestroyContext(g->display, g->context);
+    free(g->targets);
+    free(g->samples);
+    free(g->queries);
     free(g);
 }
 

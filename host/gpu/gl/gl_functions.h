@@ -46,7 +46,6 @@
     X(DELETEQUERIES, DeleteQueries)                                                                \
     X(DELETESHADER, DeleteShader)                                                                  \
     X(DELETETEXTURES, DeleteTextures)                                                              \
-    X(DELETEVERTEXARRAYS, DeleteVertexArrays)                                                      \
     X(DEPTHFUNC, DepthFunc)                                                                        \
     X(DEPTHMASK, DepthMask)                                                                        \
     X(DETACHSHADER, DetachShader)                                                                  \
@@ -59,7 +58,6 @@
     X(ENABLEI, Enablei)                                                                            \
     X(ENDQUERY, EndQuery)                                                                          \
     X(FINISH, Finish)                                                                              \
-    X(FLUSH, Flush)                                                                                \
     X(FRONTFACE, FrontFace)                                                                        \
     X(GETERROR, GetError)                                                                          \
     X(GETGRAPHICSRESETSTATUS, GetGraphicsResetStatus)                                              \

@@ -149,7 +149,7 @@ strata_result gl_image_write(void *self, void *native, uint32_t layer, uint32_t 
 
 /* The framebuffer of a pass; 0 after a failure, which is kept. */
 GLuint gl_target_get(gl *g, const gpu_native_pass *pass);
-void gl_targets_forget(gl *g, const gl_image *image); /* NULL: all */
+void gl_targets_forget(gl *g, const gl_image *image);
 
 /* gl_record.c */
 void gl_pass(void *self, const gpu_native_pass *pass);
@@ -171,6 +171,5 @@ void gl_timer_begin(gl *g, uint32_t timed);
 void gl_timer_end(gl *g);
 /* After the device has finished: hands out the submission's times and forgets them. */
 void gl_timers_collect(gl *g, double *ms, uint32_t count);
-void gl_timers_free(gl *g);
 
 #endif

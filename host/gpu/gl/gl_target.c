@@ -98,7 +98,7 @@ void gl_targets_forget(gl *g, const gl_image *image) {
     size_t kept = 0;
     for (size_t i = 0; i < g->target_count; i++) {
         const gl_target *target = &g->targets[i];
-        int gone = !image || target->depth == image;
+        int gone = target->depth == image;
         for (uint32_t k = 0; k < GPU_GL_MAX_COLORS; k++)
             gone = gone || target->color[k] == image;
         if (gone)

@@ -167,10 +167,3 @@ void gl_timers_collect(gl *g, double *ms, uint32_t count) {
     g->sample_count = 0;
     g->query_used = 0;
 }
-
-void gl_timers_free(gl *g) {
-    if (g->query_count > 0)
-        g->fn.DeleteQueries((GLsizei)g->query_count, g->queries);
-    free(g->samples);
-    free(g->queries);
-}
