@@ -42,32 +42,34 @@ static void append(char *line, size_t size, const char *text) {
     snprintf(line + length, size - length, "%s", text);
 }
 
+/* The name of a choice, given as such or by its index. */
+static const char *choice_name(const json_t *choices, const json_t *value) {
+    const char *name = json_string_value(value);
+    if (!name)
+        name = json_string_value(json_array_get(choices, (size_t)json_number_value(value)));
+    return name ? name : "";
+}
+
 /* "1..1024 fragments (8)" or "contiguous|linked (contiguous)". */
 static void describe_range(const json_t *knob, char *line, size_t size) {
     const json_t *choices = cli_array(knob, "choices");
-    char number[96];
+    char low[40], high[40], preset[40];
     line[0] = '\0';
     for (size_t i = 0; i < json_array_size(choices); i++) {
-        const char *choice = json_string_value(json_array_get(choices, i));
         append(line, size, i ? "|" : "");
-        append(line, size, choice ? choice : "");
+        append(line, size, choice_name(choices, json_array_get(choices, i)));
     }
     if (!choices) {
-        snprintf(number, sizeof number, "%.10g..%.10g", cli_number(knob, "minimum"),
-                 cli_number(knob, "maximum"));
-        append(line, size, number);
+        snprintf(low, sizeof low, "%.15g..", cli_number(knob, "minimum"));
+        snprintf(high, sizeof high, "%.15g", cli_number(knob, "maximum"));
+        append(line, size, low);
+        append(line, size, high);
     }
-    if (cli_get(knob, "unit")[0]) {
-        append(line, size, " ");
-        append(line, size, cli_get(knob, "unit"));
-    }
+    append(line, size, cli_get(knob, "unit")[0] ? " " : "");
+    append(line, size, cli_get(knob, "unit"));
+    snprintf(preset, sizeof preset, "%.15g", cli_number(knob, "default"));
     append(line, size, " (");
-    if (choices)
-        append(line, size, cli_get(knob, "default"));
-    else
-        snprintf(number, sizeof number, "%.10g", cli_number(knob, "default"));
-    if (!choices)
-        append(line, size, number);
+    append(line, size, choices ? choice_name(choices, json_object_get(knob, "default")) : preset);
     append(line, size, ")");
 }
 

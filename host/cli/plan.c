@@ -80,8 +80,8 @@ static void print_effects(const json_t *plan) {
         const json_t *e = json_array_get(effects, i);
         const char *evidence = cli_get(e, "evidence");
         char line[512];
-        snprintf(line, sizeof line, "%s%s%s", cli_get(e, "reason"), evidence[0] ? ": " : "",
-                 evidence);
+        snprintf(line, sizeof line, "%s%s%s%s", cli_get(e, "reason"), evidence[0] ? " (" : "",
+                 evidence, evidence[0] ? ")" : "");
         int at = printf("  %-14s %-4s", cli_get(e, "id"),
                         json_is_true(json_object_get(e, "active")) ? "on" : "off");
         cli_wrap(stdout, at, 22, line);

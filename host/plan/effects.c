@@ -56,7 +56,7 @@ static void decide_by_hand(plan_effect *e, int named, const char *list) {
                  e->called_for ? "named in --effects; the scene calls for it"
                                : "named in --effects, though nothing in the scene calls for it");
     else if (e->called_for)
-        snprintf(e->reason, sizeof e->reason, "off: --effects %.64s does not name it", list);
+        snprintf(e->reason, sizeof e->reason, "switched off by --effects %.64s", list);
     else if (!e->reason[0])
         snprintf(e->reason, sizeof e->reason, "nothing calls for it");
 }

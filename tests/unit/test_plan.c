@@ -193,7 +193,7 @@ static void everything_has_its_reason(void **state) {
         {{FOR(ALL, "ob")},
          "transmission",
          "nothing calls for it: materials.transmission is 0 of at least 1"},
-        {{FOR(ALL, "ob"), .effects = "none"}, "over", "off: --effects none does not name it"},
+        {{FOR(ALL, "ob"), .effects = "none"}, "over", "switched off by --effects none"},
         {{FOR(ALL, "ob"), .effects = "transmission,over"},
          "transmission",
          "named in --effects, though nothing in the scene calls for it"},
