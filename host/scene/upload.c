@@ -105,7 +105,7 @@ strata_result upload_create(gpu *g, const scene *s, const unsigned char *transpa
                          s->path);
     strata_result result = upload_geometry(u, s, transparent, err);
     if (result == STRATA_OK)
-        result = upload_materials(u, s, err);
+        result = upload_materials(u, s, transparent, err);
     if (result == STRATA_OK)
         result = upload_lights(u, s, err);
     if (result == STRATA_OK)

@@ -241,7 +241,7 @@ static strata_result define_features(upload *u, const scene *s, base_error *err)
             continue;
         any |= u->meshes[i].flags;
         single |= !(u->meshes[i].flags & UPLOAD_DOUBLE_SIDED);
-        transmission |= m->transmission > 0.0f && !m->unlit;
+        transmission |= u->meshes[i].transparent && m->transmission > 0.0f && !m->unlit;
         emission |= !m->unlit &&
                     (m->emissive[0] != 0.0f || m->emissive[1] != 0.0f || m->emissive[2] != 0.0f);
     }
@@ -270,6 +270,8 @@ strata_result upload_geometry(upload *u, const scene *s, const unsigned char *tr
         const scene_material *material = &s->materials[s->meshes[i].material];
         u->meshes[i].flags = mesh_flags(&s->meshes[i], material);
         u->meshes[i].transparent = transparent && transparent[s->meshes[i].material];
+        if (!u->meshes[i].transparent)
+            u->meshes[i].flags &= ~UPLOAD_BLEND;
     }
     uint64_t counts[UPLOAD_STREAMS];
     strata_result result = lay_out_streams(u, s, counts, err);

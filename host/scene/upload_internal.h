@@ -119,8 +119,10 @@ strata_result upload_deformed(upload *u, const scene *s, base_error *err);
 strata_result upload_records(upload *u, const scene *s, base_error *err);
 void upload_draws_free(upload *u);
 
-/* upload_material.c: materials, textures, atlas; sets the texture features' defines. */
-strata_result upload_materials(upload *u, const scene *s, base_error *err);
+/* upload_material.c: materials, textures, atlas; sets the texture features' defines. A material
+ * that is not drawn as transparent transmits nothing. */
+strata_result upload_materials(upload *u, const scene *s, const unsigned char *transparent,
+                               base_error *err);
 /* Textures of a material, by slot; colour says whether the slot holds sRGB colours. */
 #define UPLOAD_SLOTS 6
 const scene_texture *upload_slot(const scene_material *m, uint32_t slot, int *colour);

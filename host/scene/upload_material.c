@@ -73,14 +73,14 @@ static upload_texture make_texture(const scene *s, const scene_texture *t, const
     return out;
 }
 
-static upload_material make_material(const scene_material *m) {
+static upload_material make_material(const scene_material *m, int transparent) {
     float bend = (m->ior - 1.0f) / (m->ior + 1.0f);
     upload_material out = {.metallic = m->metallic,
                            .roughness = m->roughness,
                            .normal_scale = m->normal_scale,
                            .occlusion_strength = m->occlusion_strength,
                            .f0 = bend * bend,
-                           .transmission = m->transmission};
+                           .transmission = transparent ? m->transmission : 0.0f};
     if (m->ior == 0.0f) /* KHR_materials_ior: reflects all */
         out.f0 = 1.0f;
     memcpy(out.base_color, m->base_color, sizeof out.base_color);
@@ -90,11 +90,11 @@ static upload_material make_material(const scene_material *m) {
 }
 
 /* Fills materials and the textures that they name. */
-static void fill(const scene *s, images sets[2], upload_material *materials,
-                 upload_texture *textures) {
+static void fill(const scene *s, images sets[2], const unsigned char *transparent,
+                 upload_material *materials, upload_texture *textures) {
     uint32_t next = 0;
     for (uint32_t i = 0; i < s->material_count; i++) {
-        materials[i] = make_material(&s->materials[i]);
+        materials[i] = make_material(&s->materials[i], transparent && transparent[i]);
         uint32_t *const fields[UPLOAD_SLOTS] = {
             &materials[i].base_color_texture, &materials[i].metallic_roughness_texture,
             &materials[i].normal_texture,     &materials[i].occlusion_texture,
@@ -135,7 +135,8 @@ static strata_result build_atlases(upload *u, const scene *s, images sets[2], ba
     return result;
 }
 
-static strata_result fill_buffers(upload *u, const scene *s, images sets[2], base_error *err) {
+static strata_result fill_buffers(upload *u, const scene *s, images sets[2],
+                                  const unsigned char *transparent, base_error *err) {
     /* A material that is not used may share images with one that is: room for all. */
     size_t most = (size_t)s->material_count * UPLOAD_SLOTS;
     upload_material *materials =
@@ -144,7 +145,7 @@ static strata_result fill_buffers(upload *u, const scene *s, images sets[2], bas
     strata_result result = STRATA_OK;
     strata_buffer buffers[2] = {{0}};
     if (materials && textures)
-        fill(s, sets, materials, textures);
+        fill(s, sets, transparent, materials, textures);
     else
         result =
             base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory for materials", s->path);
@@ -160,7 +161,8 @@ static strata_result fill_buffers(upload *u, const scene *s, images sets[2], bas
     return result;
 }
 
-strata_result upload_materials(upload *u, const scene *s, base_error *err) {
+strata_result upload_materials(upload *u, const scene *s, const unsigned char *transparent,
+                               base_error *err) {
     size_t count = s->image_count ? s->image_count : 1;
     images sets[2] = {
         {base_calloc(count, sizeof(uint32_t)), base_calloc(count, sizeof(uint32_t)), {0}},
@@ -178,7 +180,7 @@ strata_result upload_materials(upload *u, const scene *s, base_error *err) {
     if (result == STRATA_OK)
         result = upload_define(u, "STRATA_HAS_TEXTURES", u->texture_count > 0, err);
     if (result == STRATA_OK)
-        result = fill_buffers(u, s, sets, err);
+        result = fill_buffers(u, s, sets, transparent, err);
     for (int colour = 0; colour < 2; colour++) {
         free(sets[colour].levels);
         free(sets[colour].first_level);
