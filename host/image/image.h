@@ -61,8 +61,9 @@ strata_result image_write_exr_plane(const float *values, uint32_t width, uint32_
 /* ---- deep EXR: every fragment of every pixel ------------------------------------------------
  * Channels Z (eye depth, positive, grows with distance), R, G, B (premultiplied), A and, under
  * coloured transmission, AR, AG, AB = 1 - transmittance per primary, all 32-bit float.
- * `oiiotool --flatten` folds R, G, B, A exactly; with coloured alphas of more than two layers it
- * mixes the primaries' alphas, so fold a primary at a time: --ch Z=Z,R=R,A=AR --flatten. */
+ * `oiiotool --flatten` folds R, G, B, A exactly. Coloured alphas it accumulates by their mean,
+ * which is wrong from the third layer on and leaves 0..1, so fold such a file a primary at a time:
+ * `oiiotool F --ch Z=Z,R=R,A=AR --flatten`. Uncompressed: 20 or 32 bytes a sample. */
 typedef struct image_deep {
     uint32_t width, height;
     const uint64_t *offset;   /* [height][width], row 0 = bottom: index of a pixel's first sample */

@@ -55,8 +55,11 @@ static void encode_pixel(const double threshold[255], const float in[4], unsigne
 strata_result image_encode_png(const char *name, const unsigned char *rgba, uint32_t width,
                                uint32_t height, unsigned char **data, size_t *size,
                                base_error *err) {
-    png_image png = {
-        .version = PNG_IMAGE_VERSION, .width = width, .height = height, .format = PNG_FORMAT_RGBA};
+    png_image png = {.version = PNG_IMAGE_VERSION,
+                     .width = width,
+                     .height = height,
+                     .format = PNG_FORMAT_RGBA,
+                     .flags = PNG_IMAGE_FLAG_FAST};
     *data = NULL;
     *size = 0;
     if (width == 0 || height == 0 || width > IMAGE_MAX_SIDE || height > IMAGE_MAX_SIDE ||

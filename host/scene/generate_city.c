@@ -30,11 +30,15 @@ static uint32_t facade(generate_builder *b) {
     return generate_image(b, "facade", FACADE_SIDE, FACADE_SIDE, pixels);
 }
 
-/* A block of unit height with a storey set back on top, the same for all houses of a kind. */
+/* A block of unit height with a storey set back on top, the same for all houses of a kind. The
+ * upper windows are as high as the lower ones. */
 static void house(generate_mesh *mesh, int kind) {
     double in = 0.5 - 0.06 * (kind % 3), step = 0.72 + 0.09 * (kind / 3);
     generate_box(mesh, (const double[3]){-0.5, 0, -0.5}, (const double[3]){0.5, step, 0.5});
+    size_t first = mesh->vertex_count;
     generate_box(mesh, (const double[3]){-in, step, -in}, (const double[3]){in, 1, in});
+    for (size_t v = first; v < mesh->vertex_count && !mesh->builder->failed; v++)
+        mesh->uv[v * 2 + 1] *= (float)((1 - step) / step);
 }
 
 typedef struct plot {

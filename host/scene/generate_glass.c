@@ -66,7 +66,7 @@ static void opaque_things(generate_builder *b, uint32_t detail) {
 
     mesh = generate_mesh_begin(b, GENERATE_NORMALS);
     generate_sphere(&mesh, (const double[3]){0.25, 0.42, -1.35}, 0.42, 5 * detail);
-    show(b, &mesh, &(paint){"pearl", {0.86f, 0.8f, 0.74f, 1}, 0.45f, 0, 0});
+    show(b, &mesh, &(paint){"pearl", {0.58f, 0.53f, 0.48f, 1}, 0.45f, 0, 0});
     mesh = generate_mesh_begin(b, GENERATE_NORMALS);
     generate_box(&mesh, (const double[3]){-2.1, 0, -1.5}, (const double[3]){-1.2, 0.5, -0.6});
     generate_box(&mesh, (const double[3]){-1.95, 0.5, -1.35},
