@@ -3,6 +3,8 @@
  * Passes that draw, on every backend: orientation, attachments, blending, tests, indirect draws.
  */
 #include "gpu/backend_tests.h"
+#include "gpu/gpu_internal.h"
+#include "gpu/vk/vk_internal.h"
 
 #include <stdlib.h>
 
@@ -327,6 +329,32 @@ static void test_multi_draw(void **state) {
         assert_int_equal(found[i], 0);
 }
 
+/* Devices may take few draws at a time; a counted draw cannot be split. */
+static void test_draw_limit(void **state) {
+    rig *r = backend_rig(state);
+    const command commands[] = {{6, 1, 1, 0, 1}, {6, 1, 1, 0, 3}, {6, 1, 1, 0, 0}, {6, 1, 1, 0, 2}};
+    const uint32_t all[4] = {1000, 2000, 3000, 4000}, count = 4;
+    uint32_t found[TEXELS];
+    base_error err = {0};
+    if (strcmp(r->backend, "vulkan"))
+        skip();
+    uint32_t *limit = &((vk *)r->g->self)->limits.maxDrawIndirectCount;
+    const uint32_t before = *limit;
+    *limit = 3;
+    place(r, cells, 4);
+    draw_cells(r, make_draws(r, commands, 4, (strata_buffer){0}), 0, found);
+    check_cells(found, all);
+    strata_image image = rig_image(r, "ids", STRATA_FORMAT_R32U, SIZE, SIZE, 0);
+    const strata_attachment target = attach(image, STRATA_LOAD_CLEAR, STRATA_BLEND_NONE);
+    gpu_begin(r->g, SIZE, SIZE);
+    rig_pass(r, (strata_pass){.program = rig_program(r, STRATA_PROGRAM_SCENE, id_shader),
+                              .draws = make_draws(r, commands, 4, rig_buffer(r, "n", 4, &count)),
+                              .color = &target,
+                              .color_count = 1});
+    *limit = before;
+    assert_int_equal(gpu_submit(r->g, &err), STRATA_ERROR_UNSUPPORTED);
+}
+
 /* Counter-clockwise as seen with row 0 at the bottom is front; cells 1 and 3 are turned around. */
 static void test_facing_and_culling(void **state) {
     rig *r = backend_rig(state);
@@ -599,6 +627,7 @@ const struct CMUnitTest drawing_tests[] = {
     cmocka_unit_test(test_without_attachment),
     cmocka_unit_test(test_target_is_sampled),
     cmocka_unit_test(test_multi_draw),
+    cmocka_unit_test(test_draw_limit),
     cmocka_unit_test(test_facing_and_culling),
     cmocka_unit_test(test_depth),
     cmocka_unit_test(test_stencil),

@@ -158,9 +158,8 @@ static void test_indirect_dispatch(void **state) {
     assert_int_equal(count, 5 * 2 * 3 * 8);
 }
 
-/* Recording goes on after a submit within one frame, and both parts are timed. */
-static void test_submit_twice(void **state) {
-    rig *r = backend_rig(state);
+/* Recording goes on after a submit within one frame. */
+static void step_twice(rig *r) {
     uint32_t value = 1;
     strata_buffer buffer = rig_buffer(r, "value", 4, &value);
     strata_program program = rig_program(r, STRATA_PROGRAM_COMPUTE,
@@ -180,11 +179,69 @@ static void test_submit_twice(void **state) {
     rig_submit(r);
     rig_read(r, buffer, &value, sizeof value);
     assert_int_equal(value, 1333);
+}
+
+static void test_submit_twice(void **state) {
+    rig *r = backend_rig(state);
     uint32_t count;
+    step_twice(r);
     const gpu_timing *timings = gpu_timings(r->g, &count);
     assert_int_equal(count, 3);
     for (uint32_t i = 0; i < count; i++)
+        assert_true(timings[i].gpu_ms < 0.0);
+}
+
+static void test_timings(void **state) {
+    rig *r = backend_rig(state);
+    const gpu_open_info info = {.backend = r->backend, .check = 1, .profile = 1};
+    rig timed = {.backend = r->backend};
+    base_error err = {0};
+    uint32_t count;
+    assert_int_equal(gpu_open(&info, &timed.g, &err), STRATA_OK);
+    timed.scope = gpu_scope_create(timed.g, "test");
+    step_twice(&timed);
+    const gpu_timing *timings = gpu_timings(timed.g, &count);
+    assert_int_equal(count, 3);
+    for (uint32_t i = 0; i < count; i++) {
+        assert_string_equal(timings[i].label, "step");
         assert_true(timings[i].gpu_ms >= 0.0 && timings[i].gpu_ms < 60000.0);
+    }
+    gpu_close(timed.g);
+}
+
+/* A part of a buffer that starts at an offset. */
+static void test_bound_range(void **state) {
+    rig *r = backend_rig(state);
+    uint32_t data[256];
+    for (uint32_t i = 0; i < 256; i++)
+        data[i] = i;
+    strata_buffer from = rig_buffer(r, "from", sizeof data, data);
+    strata_buffer to = rig_buffer(r, "to", sizeof data, NULL);
+    strata_program program = rig_program(r, STRATA_PROGRAM_COMPUTE,
+                                         "layout(local_size_x = 64) in;\n"
+                                         "layout(std140) uniform First { uvec4 first; };\n"
+                                         "layout(std430) readonly buffer From { uint from[]; };\n"
+                                         "layout(std430) writeonly buffer To { uint to[]; };\n"
+                                         "void main() {\n"
+                                         "    uint i = gl_GlobalInvocationID.x;\n"
+                                         "    if (i == 0u) to[0] = from.length() + first.y;\n"
+                                         "    else to[i] = from[i];\n"
+                                         "}\n");
+    strata_bind binds[] = {rig_bind_buffer("First", from), rig_bind_buffer("From", from),
+                           rig_bind_buffer("To", to)};
+    binds[0].offset = 512;
+    binds[0].size = 16;
+    binds[1].offset = 256;
+    binds[1].size = 400;
+    binds[2].offset = 768;
+    gpu_begin(r->g, 1, 1);
+    rig_pass(r, (strata_pass){.program = program, .groups = {1}, .binds = binds, .bind_count = 3});
+    rig_submit(r);
+    rig_read(r, to, data, sizeof data);
+    assert_int_equal(data[192], 100 + 129);
+    assert_int_equal(data[193], 65);
+    assert_int_equal(data[255], 64 + 63);
+    assert_int_equal(data[191], 0);
 }
 
 /* Enough sets for several descriptor pools, again and again. */
@@ -428,6 +485,8 @@ const struct CMUnitTest storage_tests[] = {
     cmocka_unit_test(test_fill_and_copy),
     cmocka_unit_test(test_indirect_dispatch),
     cmocka_unit_test(test_submit_twice),
+    cmocka_unit_test(test_timings),
+    cmocka_unit_test(test_bound_range),
     cmocka_unit_test(test_many_passes),
     cmocka_unit_test(test_pool_overflow),
     cmocka_unit_test(test_array_upload),

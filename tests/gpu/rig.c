@@ -12,7 +12,7 @@
 /* ---- device ------------------------------------------------------------------------------ */
 
 rig *rig_open(const char *backend) {
-    const gpu_open_info info = {.backend = backend, .check = 1, .profile = 1};
+    const gpu_open_info info = {.backend = backend, .check = 1};
     base_error err = {0};
     rig *r = calloc(1, sizeof *r);
     if (!r)

@@ -23,7 +23,8 @@ typedef struct rig {
     const char *backend;
 } rig;
 
-/* NULL when the backend cannot be opened: prints why. Validation is on, passes are timed. */
+/* NULL when the backend cannot be opened: prints why. Validation is on; passes are not timed, since
+ * the barriers around timestamps would hide those that are missing. */
 rig *rig_open(const char *backend);
 void rig_close(rig *r);
 /* Ends all objects of the scope and starts a new one. */

@@ -15,7 +15,7 @@
 #include "gpu/backend.h"
 
 #define GPU_VK_MAX_BINDINGS 64u   /* of one program */
-#define GPU_VK_MAX_TIMED    1024u /* measured passes of one submission; later ones stay unmeasured */
+#define GPU_VK_MAX_TIMED    1024u /* measured passes of one submission; others stay unmeasured */
 #define GPU_VK_MAX_COLORS   8u
 
 /* ---- memory: vk_memory.c ---------------------------------------------------------------- */
