@@ -12,7 +12,7 @@
 
 #define PI               3.14159265358979323846
 #define ORBIT_YFOV       (45.0 * PI / 180.0)
-#define ORBIT_MARGIN     1.05  /* distance over the closest one that shows all of the bounds */
+#define ORBIT_MARGIN     1.06  /* of the picture over what it frames */
 #define SMALLEST_NEAR    1e-30 /* its reciprocal is a float too */
 #define LARGEST_DISTANCE 1e37
 
@@ -118,9 +118,9 @@ static double orbit_distance(const framing *f, const placement *p, const scene_v
             offset[i] = corner >> i & 1 ? f->half[i] : -f->half[i];
         double x = fabs(dot(offset, p->right)) / view->half_width;
         double y = fabs(dot(offset, p->up)) / view->half_height;
-        distance = fmax(distance, dot(offset, p->back) + fmax(x, y));
+        distance = fmax(distance, dot(offset, p->back) + ORBIT_MARGIN * fmax(x, y));
     }
-    return distance * ORBIT_MARGIN;
+    return distance;
 }
 
 static void place_orbit(const framing *f, double azimuth, double elevation, double aspect,
