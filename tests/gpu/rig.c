@@ -19,7 +19,7 @@ rig *rig_open(const char *backend) {
         return NULL;
     r->backend = backend;
     if (gpu_open(&info, &r->g, &err) != STRATA_OK) {
-        printf("skipped: %s: %s\n", backend, err.text);
+        printf("skipped: %s\n", err.text);
         free(r);
         return NULL;
     }

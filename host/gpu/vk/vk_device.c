@@ -34,14 +34,15 @@ static const vk_code codes[] = {
 };
 
 strata_result vk_fail(vk *v, VkResult code, base_error *err, const char *what) {
+    const char *who = v && v->device ? "vulkan: " : ""; /* who opens a backend names it */
     if (code == VK_SUCCESS)
         return STRATA_OK;
     if (v && code == VK_ERROR_DEVICE_LOST)
         v->lost = 1;
     for (size_t i = 0; i < BASE_COUNT(codes); i++)
         if (codes[i].code == code)
-            return base_fail(err, codes[i].result, "vulkan: %.200s: %s", what, codes[i].text);
-    return base_fail(err, STRATA_ERROR_INTERNAL, "vulkan: %.200s: error %d", what, (int)code);
+            return base_fail(err, codes[i].result, "%s%.200s: %s", who, what, codes[i].text);
+    return base_fail(err, STRATA_ERROR_INTERNAL, "%s%.200s: error %d", who, what, (int)code);
 }
 
 strata_result vk_report(vk *v, strata_result result, base_error *err) {

@@ -52,7 +52,7 @@ static strata_result find_extensions(const vk *v, vk_optional *has, base_error *
         return STRATA_OK;
     list = base_calloc(count, sizeof *list);
     if (!list)
-        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "vulkan: out of memory");
+        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "out of memory");
     if (vkEnumerateDeviceExtensionProperties(v->physical, NULL, &count, list) < VK_SUCCESS)
         count = 0;
     for (uint32_t i = 0; i < count; i++) {
@@ -92,8 +92,8 @@ static strata_result enable_required(const vk_features *has, vk_features *f, bas
     };
     for (size_t i = 0; i < BASE_COUNT(needs); i++) {
         if (!needs[i].has)
-            return base_fail(err, STRATA_ERROR_UNSUPPORTED,
-                             "vulkan: the device lacks the feature %s", needs[i].name);
+            return base_fail(err, STRATA_ERROR_UNSUPPORTED, "the device lacks the feature %s",
+                             needs[i].name);
         *needs[i].enable = VK_TRUE;
     }
     return STRATA_OK;
@@ -150,7 +150,7 @@ static strata_result find_queue(vk *v, base_error *err) {
             return STRATA_OK;
         }
     return base_fail(err, STRATA_ERROR_UNSUPPORTED,
-                     "vulkan: the device has no queue for both graphics and compute");
+                     "the device has no queue for both graphics and compute");
 }
 
 strata_result vk_device_create(vk *v, gpu_backend_caps *caps, base_error *err) {

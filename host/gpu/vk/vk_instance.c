@@ -58,7 +58,7 @@ static strata_result listen(vk *v, base_error *err) {
         .pfnUserCallback = on_message,
         .pUserData = v};
     if (!create)
-        return base_fail(err, STRATA_ERROR_UNSUPPORTED, "vulkan: no debug messenger");
+        return base_fail(err, STRATA_ERROR_UNSUPPORTED, "no debug messenger");
     return vk_fail(v, create(v->instance, &info, NULL, &v->messenger), err, "messenger");
 }
 
@@ -90,11 +90,10 @@ static VkResult instance_create(int check, VkInstance *out) {
 strata_result vk_instance_create(vk *v, base_error *err) {
     if (v->check && !layer_present())
         return base_fail(err, STRATA_ERROR_UNSUPPORTED,
-                         "vulkan: checking needs the layer " VALIDATION_LAYER
-                         ", which is not installed");
+                         "checking needs the layer " VALIDATION_LAYER ", which is not installed");
     VkResult code = instance_create(v->check, &v->instance);
     if (code == VK_ERROR_INCOMPATIBLE_DRIVER)
-        return base_fail(err, STRATA_ERROR_UNSUPPORTED, "vulkan: no driver is installed");
+        return base_fail(err, STRATA_ERROR_UNSUPPORTED, "no driver is installed");
     if (code != VK_SUCCESS)
         return vk_fail(v, code, err, "instance");
     return v->check ? listen(v, err) : STRATA_OK;
@@ -146,7 +145,7 @@ strata_result vk_physical_choose(vk *v, const char *wanted, base_error *err) {
     if (result != STRATA_OK)
         return result;
     if (!count)
-        return base_fail(err, STRATA_ERROR_UNSUPPORTED, "vulkan: no device speaks Vulkan 1.3");
+        return base_fail(err, STRATA_ERROR_UNSUPPORTED, "no device speaks Vulkan 1.3");
     if (wanted && wanted[0] && !as_index(wanted, &index))
         for (index = 0; index < count; index++) {
             VkPhysicalDeviceProperties properties;
@@ -155,8 +154,8 @@ strata_result vk_physical_choose(vk *v, const char *wanted, base_error *err) {
                 break;
         }
     if (index >= count)
-        return base_fail(err, STRATA_ERROR_UNSUPPORTED,
-                         "vulkan: no device \"%.100s\" among the %u found", wanted, count);
+        return base_fail(err, STRATA_ERROR_UNSUPPORTED, "no device \"%.100s\" among the %u found",
+                         wanted, count);
     v->physical = found[index];
     return STRATA_OK;
 }
