@@ -159,6 +159,9 @@ typedef struct gltf_file {
     void *owner;    /* of everything above but buffers and images */
 } gltf_file;
 
+/* The attribute under which a primitive's indices reach gltf_parse. */
+#define GLTF_INDICES "#indices"
+
 /* gltf_parse.cpp: the checked JSON through tinygltf into the view; buffers and images excepted.
  * Nothing is thrown. On success *file holds an owner, to be released by gltf_parse_free. */
 strata_result gltf_parse(const char *name, const char *text, size_t size, gltf_file *file,
@@ -192,7 +195,7 @@ typedef struct gltf_loader {
     const char *folder;          /* external files lie in it; NULL: there may be none */
     const unsigned char *binary; /* the GLB's chunk, or NULL */
     size_t binary_size;
-    uint64_t bytes_left; /* what may still be allocated; guards against small files that unfold */
+    uint64_t bytes_left, image_bytes_left; /* what geometry and images may still take */
     size_t mesh_capacity, instance_capacity, material_capacity;
     scene_animations *animations; /* the hierarchy at least; becomes the scene's when it moves */
     size_t *mesh_first;           /* glTF mesh -> its first primitive in mesh_map */
@@ -202,6 +205,11 @@ typedef struct gltf_loader {
     base_error *err;
 } gltf_loader;
 
+#define GLTF_MAX_FILE ((size_t)4 << 30) /* bytes of one file */
+
+/* Geometry may take 256 MiB and 200 times the bytes of all files read: far more than honest files
+ * unfold to, and a bound on what dishonest ones cost. gltf_allow adds a file. */
+void gltf_allow(gltf_loader *l, size_t file_size);
 /* Takes count * size from what may still be allocated; fails naming `place` when it is not there.
  */
 strata_result gltf_charge(gltf_loader *l, const char *place, uint64_t count, uint64_t size);

@@ -125,9 +125,19 @@ static strata_result main_layout(gltf_loader *l, const gltf_accessor *a, const c
     return locate(l, place, a->view, a->offset, a->count, out);
 }
 
+/* Floats that already stand in memory as they are wanted. */
+static int is_plain(const gltf_accessor *a, const layout *from) {
+    return __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ && a->component == GLTF_F32 && from->base &&
+           from->stride == a->width * sizeof(float);
+}
+
 /* Converts `count` elements; exactly one of floats and integers is given. */
 static void convert(const gltf_accessor *a, const layout *from, uint64_t count, float *floats,
                     uint32_t *integers) {
+    if (floats && is_plain(a, from)) {
+        memcpy(floats, from->base, (size_t)count * a->width * sizeof *floats);
+        return;
+    }
     for (uint64_t i = 0; i < count && from->base; i++) {
         const unsigned char *element = from->base + i * from->stride;
         for (uint32_t c = 0; c < a->width; c++) {

@@ -135,18 +135,15 @@ static strata_result read_buffer(gltf_loader *l, uint32_t index) {
         size = l->binary_size;
     } else {
         base_error trouble = {0};
-        size_t limit = l->bytes_left < SIZE_MAX ? (size_t)l->bytes_left : SIZE_MAX;
         strata_result result =
-            gltf_read_uri(l, buffer->uri, limit, &buffer->owned, &size, &trouble);
+            gltf_read_uri(l, buffer->uri, GLTF_MAX_FILE, &buffer->owned, &size, &trouble);
         if (result != STRATA_OK && result != STRATA_ERROR_OUT_OF_HOST_MEMORY)
             result = STRATA_ERROR_BAD_FILE;
         if (result != STRATA_OK)
             return base_fail(l->err, result, "%s: buffers[%u].uri: %s", l->s->path, index,
                              trouble.text);
         buffer->bytes = buffer->owned;
-        result = gltf_charge(l, "buffers", size, 1);
-        if (result != STRATA_OK)
-            return result;
+        gltf_allow(l, size);
     }
     if (buffer->length > size)
         return base_fail(l->err, STRATA_ERROR_BAD_FILE,

@@ -333,6 +333,44 @@ static strata_result check_version(checker *c) {
     return STRATA_OK;
 }
 
+/* The member that a camera's or light's type asks for. */
+static strata_result check_kind(checker *c, const char *array, const json_t *list) {
+    for (size_t i = 0; i < json_array_size(list); i++) {
+        const json_t *element = json_array_get(list, i);
+        const char *type = json_string_value(json_object_get(element, "type"));
+        int plain = strcmp(type, "point") == 0 || strcmp(type, "directional") == 0;
+        if (!plain && !json_object_get(element, type))
+            return fail(c, "%s[%zu]: has no '%s'", array, i, type);
+    }
+    return STRATA_OK;
+}
+
+static strata_result check_kinds(checker *c) {
+    const json_t *lights = json_object_get(
+        json_object_get(json_object_get(c->root, "extensions"), "KHR_lights_punctual"), "lights");
+    strata_result result = check_kind(c, "cameras", json_object_get(c->root, "cameras"));
+    return result == STRATA_OK ? check_kind(c, "lights", lights) : result;
+}
+
+/* tinygltf refuses indices whose accessor has no view, which sparse ones need not have: they travel
+ * among the attributes. */
+static int disguise_indices(const checker *c) {
+    const json_t *meshes = json_object_get(c->root, "meshes");
+    for (size_t m = 0; m < json_array_size(meshes); m++) {
+        const json_t *primitives = json_object_get(json_array_get(meshes, m), "primitives");
+        for (size_t p = 0; p < json_array_size(primitives); p++) {
+            json_t *primitive = json_array_get(primitives, p);
+            json_t *attributes = json_object_get(primitive, "attributes");
+            json_t *indices = json_object_get(primitive, "indices");
+            json_object_del(attributes, GLTF_INDICES);
+            if (indices && json_object_set(attributes, GLTF_INDICES, indices) != 0)
+                return 0;
+            json_object_del(primitive, "indices");
+        }
+    }
+    return 1;
+}
+
 static uint32_t index_or_none(const json_t *object, const char *key) {
     const json_t *value = json_object_get(object, key);
     return value ? (uint32_t)json_integer_value(value) : SCENE_NONE;
@@ -369,7 +407,7 @@ static strata_result take_buffers_and_images(checker *c, gltf_document *document
 
 /* The root without buffers and images as text. */
 static strata_result print_rest(checker *c, gltf_document *document) {
-    json_t *rest = json_copy(c->root);
+    json_t *rest = disguise_indices(c) ? json_copy(c->root) : NULL;
     if (rest) {
         json_object_del(rest, "buffers");
         json_object_del(rest, "images");
@@ -400,6 +438,8 @@ strata_result gltf_check(scene *s, const char *json, size_t size, gltf_document 
         result = check_version(&c);
     if (result == STRATA_OK)
         result = check_extensions(&c, s);
+    if (result == STRATA_OK)
+        result = check_kinds(&c);
     if (result == STRATA_OK)
         result = take_buffers_and_images(&c, document);
     if (result == STRATA_OK)

@@ -9,17 +9,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_FILE  ((size_t)4 << 30)    /* bytes of the scene file */
-#define MAX_BYTES (UINT64_C(16) << 30) /* of everything that is read from it */
-
 strata_result gltf_charge(gltf_loader *l, const char *place, uint64_t count, uint64_t size) {
     uint64_t bytes;
     if (__builtin_mul_overflow(count, size, &bytes) || bytes > l->bytes_left)
         return base_fail(l->err, STRATA_ERROR_BAD_FILE,
-                         "%s: %s: the scene unfolds to more than %llu GiB", l->s->path, place,
-                         (unsigned long long)(MAX_BYTES >> 30));
+                         "%s: %s: the scene unfolds to far more than its files hold", l->s->path,
+                         place);
     l->bytes_left -= bytes;
     return STRATA_OK;
+}
+
+void gltf_allow(gltf_loader *l, size_t file_size) {
+    l->bytes_left += (uint64_t)file_size * 200u;
 }
 
 strata_result gltf_no_memory(gltf_loader *l) {
@@ -125,7 +126,12 @@ static strata_result convert(gltf_loader *l) {
 
 static strata_result load(scene *s, const char *folder, const unsigned char *data, size_t size,
                           base_error *err) {
-    gltf_loader l = {.s = s, .folder = folder, .bytes_left = MAX_BYTES, .err = err};
+    gltf_loader l = {.s = s,
+                     .folder = folder,
+                     .err = err,
+                     .bytes_left = UINT64_C(256) << 20,
+                     .image_bytes_left = UINT64_C(4) << 30};
+    gltf_allow(&l, size);
     gltf_document document = {0};
     container parts;
     strata_result result = open_container(s->path, data, size, &parts, err);
@@ -177,7 +183,7 @@ strata_result scene_load(const char *path, scene **out, base_error *err) {
     unsigned char *data = NULL;
     size_t size;
     *out = NULL;
-    strata_result result = base_file_read(path, MAX_FILE, &data, &size, err);
+    strata_result result = base_file_read(path, GLTF_MAX_FILE, &data, &size, err);
     if (result != STRATA_OK)
         return result;
     const char *slash = strrchr(path, '/');

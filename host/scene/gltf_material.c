@@ -62,14 +62,20 @@ static strata_result use_image(gltf_loader *l, uint32_t index, uint32_t *out) {
     if (*out != SCENE_NONE || l->image_bad[index])
         return STRATA_OK;
     strata_result result = decode_image(l, index, &decoded, &trouble);
+    uint64_t bytes = (uint64_t)decoded.width * decoded.height * 4u;
+    if (result == STRATA_OK && bytes > l->image_bytes_left)
+        result = base_fail(&trouble, STRATA_ERROR_BAD_FILE, "all images together exceed 4 GiB");
     if (result != STRATA_OK) {
+        free(decoded.name);
+        free(decoded.pixels);
         l->image_bad[index] = 1;
         scene_warn(l->s, "%s: images[%u]: %s: drawn without it", l->s->path, index, trouble.text);
         return STRATA_OK;
     }
     l->s->images[l->s->image_count] = decoded;
     *out = l->image_map[index] = l->s->image_count++;
-    return gltf_charge(l, "images", (uint64_t)decoded.width * decoded.height, 4);
+    l->image_bytes_left -= bytes;
+    return STRATA_OK;
 }
 
 /* ---- textures -------------------------------------------------------------------------------- */

@@ -205,7 +205,8 @@ gltf_mesh mesh_of(Owner *o, const tinygltf::Mesh &m) {
         out.targets = o->targets.back().data();
         out.target_count = static_cast<uint32_t>(p.targets.size());
         out.material = index_of(p.material);
-        out.indices = index_of(p.indices);
+        auto indices = p.attributes.find(GLTF_INDICES);
+        out.indices = indices == p.attributes.end() ? SCENE_NONE : index_of(indices->second);
         out.mode = static_cast<uint32_t>(p.mode);
         primitives.push_back(out);
     }

@@ -232,6 +232,27 @@ static void sparse_values_replace(void **state) {
     }
 }
 
+static void sparse_indices_without_a_view(void **state) {
+    static const unsigned char at[4] = {1, 2, 0, 0};
+    static const uint16_t values[2] = {1, 2};
+    (void)state;
+    test_glb g = {0};
+    add_square(&g);
+    uint32_t index = test_glb_view(&g, at, 2, 0), value = test_glb_view(&g, values, 4, 0);
+    char more[200];
+    snprintf(more, sizeof more,
+             ",\"sparse\":{\"count\":2,\"indices\":{\"bufferView\":%u,\"componentType\":5121},"
+             "\"values\":{\"bufferView\":%u}}",
+             index, value);
+    test_glb_accessor(&g, NONE, TEST_GLB_U16, "SCALAR", 6, more);
+    test_glb_floats(&g, "VEC3", 3, 4, (const float[]){0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1});
+    test_glb_json(&g, "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":"
+                      "{\"POSITION\":0,\"NORMAL\":2},\"indices\":1}]}]");
+    scene *s = load_glb(&g);
+    expect_indices(&s->meshes[0], (const uint32_t[]){0, 1, 2, 0, 0, 0}, 6);
+    scene_free(s);
+}
+
 static void colors_of_three_and_four_components(void **state) {
     static const unsigned char three[16] = {255, 0, 51, 9, 0, 255, 0, 9, 1, 2, 3, 9, 0, 0, 0, 9};
     static const uint16_t four[16] = {65535, 0, 0, 13107, 0, 0, 0, 65535};
@@ -595,6 +616,7 @@ int main(void) {
         cmocka_unit_test(components_of_every_type),
         cmocka_unit_test(interleaved_attributes_with_offsets),
         cmocka_unit_test(sparse_values_replace),
+        cmocka_unit_test(sparse_indices_without_a_view),
         cmocka_unit_test(colors_of_three_and_four_components),
         cmocka_unit_test(bad_normals_come_from_the_faces),
         cmocka_unit_test(materials_and_their_extensions),

@@ -82,12 +82,14 @@ static void members_of_the_wrong_kind(void **state) {
          "materials[0].extensions.KHR_materials_ior.ior: must be a number"},
         {"\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0,\"znear\":1}}]",
          "cameras[0].perspective.yfov: must be above 0"},
-        {"\"cameras\":[{\"type\":\"perspective\"}]", "erspective"},
+        {"\"cameras\":[{\"type\":\"perspective\"}]", "cameras[0]: has no 'perspective'"},
         {"\"animations\":[{\"samplers\":[],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,"
          "\"path\":\"scale\"}}]}],\"nodes\":[{}]",
          "animations[0].channels[0].sampler: there is no sampler 0"},
         {"\"extensionsRequired\":[\"KHR_materials_unlit\",\"KHR_draco_mesh_compression\"]",
          "extensionsRequired[1]: KHR_draco_mesh_compression is not supported"},
+        {"\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"spot\"}]}}",
+         "lights[0]: has no 'spot'"},
         {"\"extensionsUsed\":[0]", "extensionsUsed[0]: must be text"},
         {"\"buffers\":[{\"byteLength\":4}]", "buffers[0]: has no uri"},
         {"\"buffers\":[{\"byteLength\":4,\"uri\":\"data:,abcd\"}]",
@@ -300,6 +302,26 @@ static void zeros_without_end(void **state) {
                    "accessors[0]: has no bufferView and 4000000000 elements, more than 16777216");
 }
 
+/* Forty primitives of one accessor: small in the file, large in memory. */
+static void data_used_too_often(void **state) {
+    (void)state;
+    for (int times = 4; times <= 40; times += 36) {
+        base_text primitives = {0};
+        for (int i = 0; i < times; i++)
+            base_text_add(&primitives, "%s{\"mode\":0,\"attributes\":{\"POSITION\":0}}",
+                          i ? "," : "");
+        test_glb g = {0};
+        test_glb_accessor(&g, NONE, TEST_GLB_F32, "VEC3", 1u << 20, "");
+        test_glb_json(&g, "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[%s]}]",
+                      primitives.data);
+        base_text_free(&primitives);
+        if (times > 4)
+            expect_refused(&g, "the scene unfolds to far more than its files hold");
+        else
+            scene_free(load_glb(&g));
+    }
+}
+
 static void two_to_the_32_primitives(void **state) {
     (void)state;
     for (int over = 0; over < 2; over++) {
@@ -443,6 +465,7 @@ int main(void) {
         cmocka_unit_test(indices_out_of_range),
         cmocka_unit_test(sparse_data_out_of_range),
         cmocka_unit_test(zeros_without_end),
+        cmocka_unit_test(data_used_too_often),
         cmocka_unit_test(two_to_the_32_primitives),
         cmocka_unit_test(joints_out_of_range),
         cmocka_unit_test(keys_that_cannot_be_used),
