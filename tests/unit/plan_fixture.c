@@ -238,7 +238,7 @@ static void add(kit *k, const char *id) {
             continue;
         technique_copies[i] = techniques[i];
         technique_copies[i].module = note;
-        technique_copies[i].title = id;
+        technique_copies[i].title = techniques[i].id;
         note->id = techniques[i].id;
         note->techniques = &technique_copies[i];
         note->technique_count = 1;
@@ -248,7 +248,7 @@ static void add(kit *k, const char *id) {
             continue;
         effect_copies[i] = effects[i];
         effect_copies[i].module = note;
-        effect_copies[i].title = id;
+        effect_copies[i].title = effects[i].id;
         note->id = effects[i].id;
         note->effects = &effect_copies[i];
         note->effect_count = 1;
