@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 #define SIZE   16u
-#define TEXELS (SIZE * SIZE)
+#define TEXELS 256u /* SIZE x SIZE */
 
 static const char flat_color[] = "STRATA_PARAMS { vec4 color; } params;\n"
                                  "layout(location = 0) out vec4 color;\n"
@@ -48,7 +48,8 @@ static void test_gradient(void **state) {
     rig_submit(r);
     rig_texels(r, image, 0, found, sizeof found);
     for (uint32_t i = 0; i < 35; i++) {
-        const float expected[4] = {(float)(i % 7) + 0.5f, (float)(i / 7) + 0.5f, 0.0f, 1.0f};
+        const uint32_t x = i % 7, y = i / 7;
+        const float expected[4] = {(float)x + 0.5f, (float)y + 0.5f, 0.0f, 1.0f};
         assert_memory_equal(found[i], expected, sizeof expected);
     }
 }
