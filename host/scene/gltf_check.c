@@ -322,11 +322,12 @@ static strata_result check_extensions(checker *c, scene *s) {
     return STRATA_OK;
 }
 
+/* Before the members are looked at, since those of other versions are different ones. */
 static strata_result check_version(checker *c) {
     const json_t *asset = json_object_get(c->root, "asset");
     const char *version = json_string_value(json_object_get(asset, "version"));
     const char *least = json_string_value(json_object_get(asset, "minVersion"));
-    if (strncmp(version, "2.", 2) != 0)
+    if (version && strncmp(version, "2.", 2) != 0)
         return fail(c, "asset.version: '%.20s' is not supported, only 2.0 is", version);
     if (least && strcmp(least, "2.0") != 0)
         return fail(c, "asset.minVersion: '%.20s' is not supported, only 2.0 is", least);
@@ -425,6 +426,11 @@ strata_result gltf_check(scene *s, const char *json, size_t size, gltf_document 
     checker c = {.name = s->path, .err = err};
     json_error_t trouble;
     *document = (gltf_document){0};
+    size_t blank = 0;
+    while (blank < size && json[blank] && strchr(" \t\r\n", json[blank]))
+        blank++;
+    if (blank == size || json[blank] != '{')
+        return fail(&c, "is neither a GLB nor a JSON object");
     strata_result result = check_depth(&c, json, size);
     if (result != STRATA_OK)
         return result;
@@ -432,10 +438,10 @@ strata_result gltf_check(scene *s, const char *json, size_t size, gltf_document 
     if (!c.root)
         return fail(&c, "JSON line %d, column %d: %.160s", trouble.line, trouble.column,
                     trouble.text);
-    result = check_object(&c, c.root, root_rules);
-    leave(&c, 0);
+    result = check_version(&c);
     if (result == STRATA_OK)
-        result = check_version(&c);
+        result = check_object(&c, c.root, root_rules);
+    leave(&c, 0);
     if (result == STRATA_OK)
         result = check_extensions(&c, s);
     if (result == STRATA_OK)

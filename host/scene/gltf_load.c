@@ -67,6 +67,8 @@ static strata_result open_glb(const char *name, const unsigned char *data, size_
         if (chunk == 0) {
             out->json = (const char *)data + at + 8;
             out->json_size = length;
+            while (out->json_size > 0 && out->json[out->json_size - 1] == '\0')
+                out->json_size--; /* some writers pad with zeros instead of spaces */
         } else if (type == 0x004e4942u && !out->binary) {
             out->binary = data + at + 8;
             out->binary_size = length;

@@ -139,8 +139,9 @@ typedef struct scene {
 } scene;
 
 /* Reads .gltf or .glb. All indices, offsets, strides, counts and recursions are checked before use;
- * images are decoded. On failure nothing is left allocated and err names the file and the place in
- * it ("broken.gltf: accessors[3].byteOffset: ..."). Owner of *out: the caller, scene_free. */
+ * images are decoded. The scene stands in its rest pose, whatever its animations do at time 0. On
+ * failure nothing is left allocated and err names the file and the place in it
+ * ("broken.gltf: accessors[3].byteOffset: ..."). Owner of *out: the caller, scene_free. */
 strata_result scene_load(const char *path, scene **out, base_error *err);
 
 /* The same from memory (a GLB, or JSON without external files); name stands in messages. */
@@ -172,7 +173,10 @@ strata_result scene_write_glb(const scene *s, const char *path, base_error *err)
 void scene_free(scene *s); /* NULL is fine */
 
 /* ---- edits: bounds and revision follow; primitive numbers never change ---------------------- */
-strata_result scene_set_time(scene *s, double seconds, base_error *err); /* hierarchy, skins, morphs */
+/* Hierarchy, skins, morph targets, lights and cameras; every animation is applied, and keys hold
+ * beyond their ends. Nothing moves: no edit. A pose that overflows fails and the last one stays. */
+strata_result scene_set_time(scene *s, double seconds, base_error *err);
+/* The hierarchy does not move this instance any more afterwards. */
 strata_result scene_set_transform(scene *s, uint32_t instance, const float world[16], base_error *err);
 strata_result scene_set_visible(scene *s, uint32_t instance, uint32_t visible, base_error *err);
 

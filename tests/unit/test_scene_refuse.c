@@ -34,10 +34,11 @@ static void refuse_json(const char *json, const char *part) {
 
 static void text_that_is_not_gltf(void **state) {
     static const char *const cases[][2] = {
-        {"", "JSON line 1"},
+        {"", "is neither a GLB nor a JSON object"},
         {"{\"asset\":\n{\"version\" \"2.0\"}}", "JSON line 2"},
         {"{\"asset\":{\"version\":\"2.0\"}", "JSON line 1"},
-        {"[]", "must be an object, is an array"},
+        {" \n[]", "is neither a GLB nor a JSON object"},
+        {"{\"asset\":{\"version\":\"1.1\"},\"nodes\":{}}", "asset.version: '1.1' is not supported"},
         {"{}", "has no 'asset'"},
         {"{\"asset\":{}}", "asset: has no 'version'"},
         {"{\"asset\":{\"version\":\"1.0\"}}", "asset.version: '1.0' is not supported"},
