@@ -337,7 +337,7 @@ static void test_draw_limit(void **state) {
     const uint32_t all[4] = {1000, 2000, 3000, 4000}, count = 4;
     uint32_t found[TEXELS];
     base_error err = {0};
-    if (strcmp(r->backend, "vulkan"))
+    if (strcmp(r->backend, "vulkan") != 0)
         skip();
     uint32_t *limit = &((vk *)r->g->self)->limits.maxDrawIndirectCount;
     const uint32_t before = *limit;
