@@ -89,9 +89,9 @@ static upload_material make_material(const scene_material *m, int transparent) {
     return out;
 }
 
-/* Fills materials and the textures that they name. */
-static void fill(const scene *s, images sets[2], const unsigned char *transparent,
-                 upload_material *materials, upload_texture *textures) {
+/* Fills materials and the textures that they name; returns the number of textures. */
+static uint32_t fill(const scene *s, images sets[2], const unsigned char *transparent,
+                     upload_material *materials, upload_texture *textures) {
     uint32_t next = 0;
     for (uint32_t i = 0; i < s->material_count; i++) {
         materials[i] = make_material(&s->materials[i], transparent && transparent[i]);
@@ -110,6 +110,7 @@ static void fill(const scene *s, images sets[2], const unsigned char *transparen
             *fields[slot] = next++;
         }
     }
+    return next;
 }
 
 static strata_result build_atlases(upload *u, const scene *s, images sets[2], base_error *err) {
@@ -145,7 +146,7 @@ static strata_result fill_buffers(upload *u, const scene *s, images sets[2],
     strata_result result = STRATA_OK;
     strata_buffer buffers[2] = {{0}};
     if (materials && textures)
-        fill(s, sets, transparent, materials, textures);
+        u->texture_count = fill(s, sets, transparent, materials, textures);
     else
         result =
             base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory for materials", s->path);
@@ -154,8 +155,8 @@ static strata_result fill_buffers(upload *u, const scene *s, images sets[2],
                                (s->material_count ? s->material_count : 1) * sizeof *materials,
                                &buffers[0], err);
     if (result == STRATA_OK && u->texture_count)
-        result = upload_buffer(u, "StrataTextures", "textures", textures, most * sizeof *textures,
-                               &buffers[1], err);
+        result = upload_buffer(u, "StrataTextures", "textures", textures,
+                               u->texture_count * sizeof *textures, &buffers[1], err);
     free(materials);
     free(textures);
     return result;
