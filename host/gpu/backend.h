@@ -49,7 +49,7 @@ typedef struct gpu_binding { /* reflected from SPIR-V; `binding` is unique withi
     uint32_t binding;
     uint32_t stages; /* GPU_STAGE_* */
     uint32_t access; /* GPU_ACCESS_* that its qualifiers allow */
-    uint32_t size;   /* of a params or uniform block, bytes; else 0 */
+    uint32_t size;   /* of a block, bytes, an unsized array at its end left out; images: 0 */
     uint32_t format; /* of a storage image: STRATA_FORMAT_*, 0 when the shader names none */
     uint32_t arrayed, is_unsigned; /* images: 2D array; uimage or usampler */
 } gpu_binding;
@@ -91,7 +91,8 @@ typedef struct gpu_backend_caps {
     char name[256], driver[256];
     uint64_t storage_range, memory; /* bytes; memory 0 = unknown */
     uint32_t image_size, groups, subgroup;
-    uint32_t int64_atomics, fragment_interlock, raster_order_attachments, framebuffer_fetch,
+    uint32_t storage_blocks; /* that one shader stage can use */
+    uint32_t int64, int64_atomics, fragment_interlock, raster_order_attachments, framebuffer_fetch,
         subgroup_ballot, stencil_export;
     uint32_t vulkan_target; /* 1: wants SPIR-V for Vulkan; 0: SPIR-V for OpenGL */
 } gpu_backend_caps;

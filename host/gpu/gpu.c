@@ -30,6 +30,8 @@ strata_result gpu_code_result(gpu_code code) {
         return STRATA_ERROR_OVERFLOW;
     case GPU_ERROR_PROGRAM_COMPILE:
         return STRATA_ERROR_SHADER;
+    case GPU_ERROR_PROGRAM_BLOCKS:
+        return STRATA_ERROR_UNSUPPORTED;
     case GPU_ERROR_MEMORY:
         return STRATA_ERROR_OUT_OF_DEVICE_MEMORY;
     case GPU_ERROR_LOST:
@@ -250,6 +252,8 @@ uint64_t gpu_fact(gpu *g, const char *id) {
         {"limit.groups", caps->groups},
         {"limit.memory", caps->memory},
         {"limit.subgroup", caps->subgroup},
+        {"limit.storage_blocks", caps->storage_blocks},
+        {"feature.int64", caps->int64},
         {"feature.int64_atomics", caps->int64_atomics},
         {"feature.fragment_interlock", caps->fragment_interlock},
         {"feature.raster_order_attachments", caps->raster_order_attachments},

@@ -34,6 +34,7 @@ typedef struct gpu_scope gpu_scope;
     X(POOL_PLANES, "pool planes are missing, too many, or of a bad stride")                        \
     X(PROGRAM_KIND, "program kind and pass do not fit")                                            \
     X(PROGRAM_COMPILE, "program did not compile")                                                  \
+    X(PROGRAM_BLOCKS, "a stage uses more storage blocks than the device allows")                   \
     X(BIND_MISSING, "a resource of the program is not bound")                                      \
     X(BIND_UNKNOWN, "the program has no resource of this name")                                    \
     X(BIND_KIND, "bound object does not fit the resource's kind")                                  \
@@ -42,6 +43,7 @@ typedef struct gpu_scope gpu_scope;
     X(ATTACHMENT_MISSING, "a pass that draws needs an attachment or a size")                       \
     X(ATTACHMENT_SIZE, "attachments differ in size")                                               \
     X(ATTACHMENT_HAZARD, "an attachment is also bound for reading or writing")                     \
+    X(OUTPUT_TYPE, "the program writes no output of this attachment's type")                       \
     X(OPAQUE_WRITES, "storage is written beside an opaque colour output")                          \
     X(DRAWS_MISSING, "a scene program needs draws")                                                \
     X(GROUPS_LIMIT, "work groups exceed the device's limit")                                       \
@@ -81,6 +83,7 @@ void gpu_enumerate(void (*found)(void *user, const gpu_device_info *info, uint32
                    void *user);
 
 /* Facts by string id; unknown = 0. Limits: limit.storage_range, limit.image_size, limit.groups,
+ * limit.storage_blocks (of one shader stage),
  * limit.memory (bytes of device memory, 0 unknown), limit.subgroup (size). Features:
  * feature.int64_atomics, feature.fragment_interlock, feature.raster_order_attachments,
  * feature.framebuffer_fetch, feature.subgroup_ballot, feature.stencil_export. Self-tests (run when

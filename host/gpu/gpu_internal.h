@@ -79,10 +79,13 @@ typedef struct gpu_source {
     size_t path_count, path_capacity;
 } gpu_source;
 
+typedef enum gpu_output { GPU_OUTPUT_NONE, GPU_OUTPUT_FLOAT, GPU_OUTPUT_UINT } gpu_output;
+
 typedef struct gpu_program_state {
     uint32_t kind, binding_count, params_size, built;
     void *native;
-    gpu_source sources[2]; /* until it is built; [0] compute or vertex, [1] fragment */
+    uint8_t outputs[GPU_MAX_COLOR]; /* gpu_output of the fragment stage, by location */
+    gpu_source sources[2];          /* until it is built; [0] compute or vertex, [1] fragment */
     gpu_binding bindings[GPU_MAX_BINDINGS];
 } gpu_program_state;
 
@@ -273,6 +276,7 @@ uint32_t gpu_compiler_version(void);
  * SPIR-V; resources that nothing uses are removed from it. */
 typedef struct gpu_reflection {
     uint32_t binding_count, params_size;
+    uint8_t outputs[GPU_MAX_COLOR];
     gpu_binding bindings[GPU_MAX_BINDINGS];
 } gpu_reflection;
 strata_result gpu_reflect(const char *label, uint32_t kind, int vulkan_target, gpu_spirv *spirv,

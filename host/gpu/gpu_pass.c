@@ -89,6 +89,9 @@ static int take_color(pass_context *c) {
         if (is_depth(format) || format == STRATA_FORMAT_RGBA8_SRGB ||
             (is_integer(format) && c->color[i].blend != STRATA_BLEND_NONE))
             return fail(c, GPU_ERROR_IMAGE_FORMAT, name);
+        gpu_output wanted = is_integer(format) ? GPU_OUTPUT_UINT : GPU_OUTPUT_FLOAT;
+        if (c->color[i].mask_off != 15 && c->program->program->outputs[i] != wanted)
+            return fail(c, GPU_ERROR_OUTPUT_TYPE, name);
         c->native.color[i] = object->image.storage->native;
     }
     c->pass.color = pass->color_count ? c->color : NULL;

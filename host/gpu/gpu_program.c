@@ -40,6 +40,21 @@ static strata_result translate(gpu *g, const gpu_object *object, gpu_spirv *spir
     return result;
 }
 
+/* Drivers are known to crash beyond the limit instead of refusing. */
+static strata_result check_blocks(gpu *g, const gpu_object *object,
+                                  const gpu_reflection *reflection, base_error *err) {
+    for (uint32_t stage = GPU_STAGE_VERTEX; stage <= GPU_STAGE_COMPUTE; stage *= 2) {
+        uint32_t blocks = 0;
+        for (uint32_t i = 0; i < reflection->binding_count; i++)
+            blocks += reflection->bindings[i].kind == GPU_BINDING_STORAGE &&
+                      (reflection->bindings[i].stages & stage);
+        if (blocks > g->caps.storage_blocks)
+            return gpu_fail(g, err, GPU_ERROR_PROGRAM_BLOCKS, "program '%s': %u, of at most %u",
+                            object->label, blocks, g->caps.storage_blocks);
+    }
+    return STRATA_OK;
+}
+
 strata_result gpu_program_build(gpu *g, gpu_object *object, base_error *err) {
     gpu_program_state *program = object->program;
     gpu_spirv spirv = {0};
@@ -47,8 +62,11 @@ strata_result gpu_program_build(gpu *g, gpu_object *object, base_error *err) {
     if (program->built)
         return STRATA_OK;
     strata_result result = translate(g, object, &spirv, &reflection, err);
+    if (result == STRATA_OK)
+        result = check_blocks(g, object, &reflection, err);
     if (result == STRATA_OK) {
         memcpy(program->bindings, reflection.bindings, sizeof program->bindings);
+        memcpy(program->outputs, reflection.outputs, sizeof program->outputs);
         program->binding_count = reflection.binding_count;
         program->params_size = reflection.params_size;
         const gpu_program_info info = {

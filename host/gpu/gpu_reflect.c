@@ -97,9 +97,8 @@ static strata_result describe_block(reflection_context *c, const spvc_reflected_
     if (spvc_type_get_num_array_dimensions(type))
         return base_fail(c->err, STRATA_ERROR_SHADER, "%s: '%s' is an array of blocks", c->label,
                          binding->name);
-    if (binding->kind == GPU_BINDING_STORAGE)
-        return STRATA_OK; /* ends in an array of any length, as a rule */
-    if (spvc_compiler_get_declared_struct_size(c->compiler, base, &size) != SPVC_SUCCESS)
+    if (spvc_compiler_get_declared_struct_size_runtime_array(c->compiler, base, 0, &size) !=
+        SPVC_SUCCESS)
         return fail_spvc(c, binding->name);
     binding->size = (uint32_t)((size + 3) & ~(size_t)3);
     return STRATA_OK;
@@ -194,6 +193,28 @@ static strata_result reflect_type(reflection_context *c, spvc_resources resource
     return STRATA_OK;
 }
 
+/* Which colour attachments the fragment stage writes, and as what. */
+static strata_result reflect_outputs(reflection_context *c, spvc_resources resources) {
+    const spvc_reflected_resource *list = NULL;
+    size_t count = 0;
+    if (spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_STAGE_OUTPUT, &list,
+                                                  &count) != SPVC_SUCCESS)
+        return fail_spvc(c, "the outputs");
+    for (size_t i = 0; i < count; i++) {
+        spvc_type type = spvc_compiler_get_type_handle(c->compiler, list[i].type_id);
+        spvc_basetype base = spvc_type_get_basetype(type);
+        uint32_t first =
+            spvc_compiler_get_decoration(c->compiler, list[i].id, SpvDecorationLocation);
+        uint32_t length =
+            spvc_type_get_num_array_dimensions(type) ? spvc_type_get_array_dimension(type, 0) : 1;
+        for (uint32_t k = 0; k < length && k < GPU_MAX_COLOR && first + k < GPU_MAX_COLOR; k++)
+            c->out->outputs[first + k] = base == SPVC_BASETYPE_FP32     ? GPU_OUTPUT_FLOAT
+                                         : base == SPVC_BASETYPE_UINT32 ? GPU_OUTPUT_UINT
+                                                                        : GPU_OUTPUT_NONE;
+    }
+    return STRATA_OK;
+}
+
 static strata_result reflect_stage(reflection_context *c, spvc_context context,
                                    const uint32_t *words, size_t count) {
     static const spvc_resource_type types[] = {
@@ -215,6 +236,8 @@ static strata_result reflect_stage(reflection_context *c, spvc_context context,
         return fail_spvc(c, spvc_context_get_last_error_string(context));
     for (size_t i = 0; i < BASE_COUNT(types) && result == STRATA_OK; i++)
         result = reflect_type(c, resources, types[i]);
+    if (result == STRATA_OK && c->stage == GPU_STAGE_FRAGMENT)
+        result = reflect_outputs(c, resources);
     return result;
 }
 

@@ -86,7 +86,7 @@ static void add_planes(base_text *text, const plan_payload *payload, const char 
     for (uint32_t i = 0; i < payload->plane_count; ++i)
         base_text_add(text,
                       "layout(std430) %s buffer StrataPayload%u { %s strata_payload%u[]; };\n",
-                      access, i, payload->plane_strides[i] == 8 ? "uvec2" : "uint", i);
+                      access, i, payload->plane_strides[i] == 8 ? "STRATA_PAIR" : "uint", i);
 }
 
 /* word = a | b << 8 | ... of the channels that lie in it */
@@ -111,8 +111,9 @@ static void add_store(base_text *text, const plan_payload *payload) {
     uint32_t word = 0;
     for (uint32_t i = 0; i < payload->plane_count; ++i) {
         if (payload->plane_strides[i] == 8)
-            base_text_add(text, "    strata_payload%u[slot] = uvec2(words[%u], words[%u]);\n", i,
-                          word, word + 1);
+            base_text_add(text, "    strata_payload%u[slot] = "
+                          "STRATA_TO_PAIR(uvec2(words[%u], words[%u]));\n",
+                          i, word, word + 1);
         else
             base_text_add(text, "    strata_payload%u[slot] = words[%u];\n", i, word);
         word += payload->plane_strides[i] / 4;
@@ -124,8 +125,11 @@ static void add_load(base_text *text, const plan_payload *payload) {
     base_text_add(text, "StrataPayload strata_payload_load(uint slot) {\n"
                         "    StrataPayload payload;\n");
     for (uint32_t i = 0; i < payload->plane_count; ++i)
-        base_text_add(text, "    %s plane%u = strata_payload%u[slot];\n",
-                      payload->plane_strides[i] == 8 ? "uvec2" : "uint", i, i);
+        base_text_add(text,
+                      payload->plane_strides[i] == 8
+                          ? "    uvec2 plane%u = STRATA_FROM_PAIR(strata_payload%u[slot]);\n"
+                          : "    uint plane%u = strata_payload%u[slot];\n",
+                      i, i);
     for (uint32_t f = 0; f < payload->field_count; ++f)
         for (uint32_t c = 0; c < payload->fields[f].channels; ++c) {
             const plan_channel *at = &payload->fields[f].at[c];
@@ -212,6 +216,8 @@ strata_result render_effects(render_session *session, base_error *err) {
         r = gpu_set_define(g, "STRATA_LAYOUT", layout, err);
     if (r == STRATA_OK)
         r = gpu_set_define(g, "STRATA_CHANNELS", channels, err);
+    if (r == STRATA_OK)
+        r = gpu_set_define(g, "STRATA_INT64", gpu_fact(g, "feature.int64") ? "1" : NULL, err);
     if (r == STRATA_OK)
         r = set_sources(session, err);
     if (r == STRATA_OK)

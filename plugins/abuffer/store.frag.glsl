@@ -5,6 +5,7 @@
 // opaque output may make a driver drop a tile's storage writes.
 #define STRATA_RANGES coherent
 #define STRATA_RECORDS writeonly
+#define STRATA_KEYS STRATA_PAIR
 #define STRATA_PAYLOAD_WRITE
 #include "strata/shading.glsl"
 #include "strata/fragments.glsl"
@@ -32,7 +33,8 @@ void main() {
     uint slot = take_slot(strata_pixel(uvec2(gl_FragCoord.xy)));
     if (slot >= strata_capacity)
         return;
-    strata_keys[slot] = uvec2(strata_key(gl_FragCoord.z), strata_order(surface.primitive));
+    strata_keys[slot] =
+        STRATA_TO_PAIR(uvec2(strata_key(gl_FragCoord.z), strata_order(surface.primitive)));
     StrataPayload payload = strata_emit(surface);
     strata_payload_store(slot, payload);
 }

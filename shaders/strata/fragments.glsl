@@ -20,7 +20,10 @@ const uint STRATA_END = 0xffffffffu;    // no next record
 const uint STRATA_NO_KEY = 0xffffffffu; // beyond every key: keys end at 0x3f800000
 
 layout(std430) STRATA_RANGES buffer StrataRanges { uvec2 strata_ranges[]; };
-layout(std430) STRATA_RECORDS buffer StrataKeys { uvec2 strata_keys[]; };
+#ifndef STRATA_KEYS
+#define STRATA_KEYS uvec2 // or STRATA_PAIR, where both words are always touched together
+#endif
+layout(std430) STRATA_RECORDS buffer StrataKeys { STRATA_KEYS strata_keys[]; };
 #if STRATA_LAYOUT == 1
 layout(std430) STRATA_RECORDS buffer StrataLinks { uvec2 strata_links[]; };
 #endif

@@ -90,6 +90,7 @@ static void caps_fill(const gl *g, gpu_backend_caps *caps) {
         caps->memory = (uint64_t)integer_of(g, GL_GPU_MEMORY_INFO_DEDICATED_VIDMEM_NVX) * 1024u;
     caps->image_size = (uint32_t)integer_of(g, GL_MAX_TEXTURE_SIZE);
     caps->groups = groups_limit(g);
+    caps->storage_blocks = (uint32_t)integer_of(g, GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS);
     caps->subgroup = 1;
     if (gl_has(g, "GL_KHR_shader_subgroup")) {
         GLint stages = integer_of(g, GL_SUBGROUP_SUPPORTED_STAGES_KHR);
@@ -99,6 +100,7 @@ static void caps_fill(const gl *g, gpu_backend_caps *caps) {
             (stages & wanted) == wanted && (integer_of(g, GL_SUBGROUP_SUPPORTED_FEATURES_KHR) &
                                             GL_SUBGROUP_FEATURE_BALLOT_BIT_KHR) != 0;
     }
+    caps->int64 = gl_has(g, "GL_ARB_gpu_shader_int64") != 0;
     caps->int64_atomics = gl_has(g, "GL_NV_shader_atomic_int64") != 0;
     caps->fragment_interlock = gl_has(g, "GL_ARB_fragment_shader_interlock") &&
                                gl_has_spirv(g, "SPV_EXT_fragment_shader_interlock");

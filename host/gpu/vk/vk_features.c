@@ -127,9 +127,11 @@ static void fill_caps(const vk *v, const vk_features *f, const vk_optional *has,
                                        .pNext = &subgroup};
     vkGetPhysicalDeviceProperties2(v->physical, &all);
     const VkShaderStageFlags stages = VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT;
+    caps->storage_blocks = all.properties.limits.maxPerStageDescriptorStorageBuffers;
     caps->subgroup = subgroup.subgroupSize;
     caps->subgroup_ballot = (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_BALLOT_BIT) &&
                             (subgroup.supportedStages & stages) == stages;
+    caps->int64 = f->core.features.shaderInt64;
     caps->int64_atomics = f->v12.shaderBufferInt64Atomics;
     caps->fragment_interlock = f->interlock.fragmentShaderPixelInterlock;
     caps->raster_order_attachments = f->raster_order.rasterizationOrderColorAttachmentAccess;
