@@ -122,6 +122,8 @@ static void print_fragments(const json_t *plan) {
     if (cli_get(f, "layout")[0])
         printf("%s records of %.0f bytes, about %s bytes in all; ", cli_get(f, "layout"),
                cli_number(f, "bytes_per_fragment"), cli_count(cli_number(f, "bytes"), bytes));
+    if (cli_number(f, "bands") > 1)
+        printf("about %.0f bands; ", cli_number(f, "bands"));
     printf("%s payload:", cli_get(f, "payload"));
     for (size_t i = 0; i < json_array_size(fields); i++) {
         const json_t *field = json_array_get(fields, i);

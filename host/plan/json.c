@@ -99,12 +99,13 @@ static json_t *fragments_json(const plan *p) {
                                                 (int)f->channels, "exact", (int)f->exact));
     }
     double bytes = ceil(p->stats.transparent_fragments) * (double)p->bytes_per_fragment;
-    return json_pack("{so so si so so so so}", "layout",
-                     text(p->captures ? layouts[p->layout] : NULL), "payload",
-                     text(precisions[p->payload.precision]), "transmittance_channels",
-                     (int)p->transmittance_channels, "bytes_per_fragment",
-                     p->captures ? number(p->bytes_per_fragment) : json_null(), "bytes",
-                     p->captures ? number(bytes) : json_null(), "planes", planes, "fields", fields);
+    return json_pack(
+        "{so so si so so so so so}", "layout", text(p->captures ? layouts[p->layout] : NULL),
+        "payload", text(precisions[p->payload.precision]), "transmittance_channels",
+        (int)p->transmittance_channels, "bytes_per_fragment",
+        p->captures ? number(p->bytes_per_fragment) : json_null(), "bytes",
+        p->captures ? number(bytes) : json_null(), "bands",
+        p->captures ? number(p->expected_bands) : json_null(), "planes", planes, "fields", fields);
 }
 
 static json_t *estimate_json(const strata_scene_stats *s) {

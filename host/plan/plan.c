@@ -5,6 +5,7 @@
  */
 #include "plan/plan_internal.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -81,6 +82,22 @@ static strata_result make_payload(plan_work *w) {
     return result;
 }
 
+/* Bands of equal size, so that all planes fit into the memory and the widest into one storage
+ * range; what a limit of 0 leaves unknown does not count. */
+static strata_result expect_bands(plan_work *w) {
+    plan *p = w->out;
+    double records = ceil(p->stats.transparent_fragments), bands = 1.0;
+    double range = w->in->fact ? (double)w->in->fact(w->in->user, "limit.storage_range") : 0.0;
+    if (!p->captures)
+        return STRATA_OK;
+    if (w->in->memory > 0)
+        bands = fmax(bands, ceil(records * p->bytes_per_fragment / (double)w->in->memory));
+    if (range > 0.0) /* keys take 8 bytes; no plane is wider */
+        bands = fmax(bands, ceil(records * 8.0 / range));
+    p->expected_bands = bands < 65536.0 ? (uint32_t)bands : 65536u;
+    return STRATA_OK;
+}
+
 /* ---- warnings -------------------------------------------------------------------------------- */
 
 /* Facts that show as transparency but that no installed effect answers. */
@@ -128,8 +145,8 @@ static strata_result warn_unchecked(plan_work *w) {
 
 static strata_result make(plan_work *w) {
     strata_result (*const steps[])(plan_work *) = {
-        plan_collect,    plan_resolve_settings, plan_assess,    plan_choose, make_payload,
-        warn_unanswered, warn_settings,         warn_unchecked, write_out,
+        plan_collect, plan_resolve_settings, plan_assess,   plan_choose,    make_payload,
+        expect_bands, warn_unanswered,       warn_settings, warn_unchecked, write_out,
     };
     strata_result result = plan_decide_effects(w->in, w->out, w->err);
     for (size_t i = 0; i < BASE_COUNT(steps) && result == STRATA_OK; i++)

@@ -117,9 +117,10 @@ typedef struct plan {
     uint32_t transmittance_channels; /* 1 or 3 */
     plan_payload payload;
     uint32_t bytes_per_fragment; /* of a record in fragments/1, 0 when nothing is captured */
-    uint32_t reserved;
-    strata_scene_stats stats; /* as given */
-    demand demand;            /* as given */
+    uint32_t expected_bands;     /* that the estimated fragments take in the memory and the storage
+                                    range there is; 0 when nothing is captured */
+    strata_scene_stats stats;    /* as given */
+    demand demand;               /* as given */
 } plan;
 
 /* Makes a plan. INVALID_ARGUMENT: the user asked for what does not exist or does not fit together;

@@ -10,7 +10,7 @@
 static const strata_glsl compute_source = {
     "layout(local_size_x = 64) in;\n"
     "layout(std430) buffer Values { uint values[]; };\n"
-    "layout(std430) readonly buffer Extra { uint extra[]; };\n"
+    "layout(std430) readonly buffer Extra { uint head[2]; uint extra[]; };\n"
     "layout(std140) uniform Block { vec4 block[4]; };\n"
     "STRATA_PARAMS { uint count; } params;\n"
     "void main() { values[0] = params.count + extra[0] + uint(block[1].x); }\n",
@@ -339,6 +339,9 @@ static void test_ranges(void **state) {
     w->binds[0] = bind_buffer("Values", w->values);
     w->binds[2].buffer = make_buffer(&w->f, "short", 60); /* the block has 64 */
     refused(w, &w->dispatch, GPU_ERROR_BUFFER_RANGE, "short");
+    w->binds[2].buffer = w->block;
+    w->binds[1].buffer = make_buffer(&w->f, "head", 4); /* before its array it has 8 */
+    refused(w, &w->dispatch, GPU_ERROR_BUFFER_RANGE, "the block has 8");
     uint32_t words[2];
     failed(w, gpu_buffer_read(w->f.g, w->values, 4092, 8, words, &w->f.err), GPU_ERROR_BUFFER_RANGE,
            "values");
@@ -406,6 +409,20 @@ static void test_attachments(void **state) {
     w->draw.depth = &w->depth_attachment;
     w->draw.stencil_test = STRATA_TEST_EQUAL; /* no stencil in it */
     refused(w, &w->draw, GPU_ERROR_IMAGE_FORMAT, "depth attachment");
+}
+
+static void test_outputs(void **state) {
+    world *w = *state;
+    strata_attachment two[2] = {w->attachment, w->attachment};
+    two[0].image = w->integer; /* the program writes floats */
+    w->draw.color = two;
+    refused(w, &w->draw, GPU_ERROR_OUTPUT_TYPE, "colour attachment 0");
+    two[0].image = w->color;
+    two[1].image = w->other; /* and nothing here */
+    w->draw.color_count = 2;
+    refused(w, &w->draw, GPU_ERROR_OUTPUT_TYPE, "colour attachment 1");
+    two[1].mask_off = 15;
+    accepted(w, &w->draw);
 }
 
 static void test_target(void **state) {
@@ -646,3 +663,4 @@ int main(void) {
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
+        IN_WORLD(test_outputs),
