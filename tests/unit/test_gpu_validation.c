@@ -562,6 +562,33 @@ static void test_create_program(void **state) {
     assert_non_null(strstr(gpu_frame_error(w->f.g)->text, "pass 'dispatch'"));
 }
 
+/* One storage block more than a stage can have; unused ones do not count. */
+static void test_create_too_many_blocks(void **state) {
+    world *w = *state;
+    strata_program program;
+    base_text text = {0};
+    uint32_t most = (uint32_t)gpu_fact(w->f.g, "limit.storage_blocks");
+    base_text_add(&text, "layout(local_size_x = 1) in;\n");
+    for (uint32_t i = 0; i <= most; i++)
+        base_text_add(&text, "layout(std430) buffer B%u { uint v%u; };\n", i, i);
+    base_text_add(&text, "void main() {\n#ifdef ALL\n    v%u = 1u;\n#endif\n", most);
+    for (uint32_t i = 0; i < most; i++)
+        base_text_add(&text, "    v%u = 1u;\n", i);
+    base_text_add(&text, "}\n");
+    static const char *const all[] = {"ALL"};
+    const strata_glsl source = {text.data, "blocks.glsl"};
+    strata_program_desc desc = {.struct_size = sizeof desc,
+                                .kind = STRATA_PROGRAM_COMPUTE,
+                                .label = "blocks",
+                                .source = &source,
+                                .defines = all};
+    assert_int_equal(gpu_program_create(w->f.scope, &desc, &program, &w->f.err), STRATA_OK);
+    desc.define_count = 1;
+    failed(w, gpu_program_create(w->f.scope, &desc, &program, &w->f.err), GPU_ERROR_PROGRAM_BLOCKS,
+           "blocks");
+    base_text_free(&text);
+}
+
 static void test_draws(void **state) {
     world *w = *state;
     strata_draws draws;
@@ -649,6 +676,7 @@ int main(void) {
         IN_WORLD(test_ranges),
         IN_WORLD(test_limits),
         IN_WORLD(test_attachments),
+        IN_WORLD(test_outputs),
         IN_WORLD(test_target),
         IN_WORLD(test_feedback),
         IN_WORLD(test_opaque_writes),
@@ -656,6 +684,7 @@ int main(void) {
         IN_WORLD(test_create_image),
         IN_WORLD(test_create_pool),
         IN_WORLD(test_create_program),
+        IN_WORLD(test_create_too_many_blocks),
         IN_WORLD(test_draws),
         IN_WORLD(test_memory_and_loss),
         cmocka_unit_test(test_inject_text),
@@ -663,4 +692,3 @@ int main(void) {
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
-        IN_WORLD(test_outputs),
