@@ -126,6 +126,7 @@ typedef struct gltf_scene_list {
     uint32_t count;
 } gltf_scene_list;
 
+/* NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): one of it, and it reads better so */
 typedef struct gltf_file {
     gltf_buffer *buffers;
     uint32_t buffer_count;

@@ -166,7 +166,7 @@ strata_result gltf_view_bytes(gltf_loader *l, uint32_t view, const char *place,
     if (v->offset > buffer->length || v->length > buffer->length - v->offset)
         return base_fail(l->err, STRATA_ERROR_BAD_FILE,
                          "%s: %s: bufferViews[%u] ends at byte %llu of the %llu in buffers[%u]",
-                         l->s->path, place, view, (unsigned long long)(v->offset + v->length),
+                         l->s->path, place, view, (unsigned long long)v->offset + v->length,
                          (unsigned long long)buffer->length, v->buffer);
     *bytes = buffer->bytes + v->offset;
     *size = v->length;

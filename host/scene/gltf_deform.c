@@ -29,7 +29,7 @@ static strata_result read_influences(gltf_loader *l, const gltf_primitive *p, ui
         result =
             gltf_read_attribute(l, &p->attributes, name[1], 4, mesh->vertex_count, place, &weights);
     for (size_t i = 0; result == STRATA_OK && i < (size_t)mesh->vertex_count * 4; i++) {
-        size_t at = i / 4 * d->influences + set * 4 + i % 4;
+        size_t at = i / 4 * d->influences + (size_t)set * 4 + i % 4;
         int used = isfinite(weights[i]) && weights[i] > 0.0f;
         if (used && joints[i] >= known)
             result = base_fail(l->err, STRATA_ERROR_BAD_FILE,
@@ -103,13 +103,13 @@ static strata_result read_targets(gltf_loader *l, const gltf_primitive *p, const
         snprintf(where, sizeof where, "%s target %u", place, t);
         strata_result result =
             gltf_read_attribute(l, &p->targets[t], name, 3, mesh->vertex_count, where, &read);
-        if (result == STRATA_OK && !*out) {
+        if (result == STRATA_OK && !*out)
             result = gltf_charge(l, where, p->target_count, floats * sizeof **out);
-            *out = result == STRATA_OK ? base_calloc(p->target_count, floats * sizeof **out) : NULL;
-            if (result == STRATA_OK && !*out)
-                result = gltf_no_memory(l);
+        if (result == STRATA_OK && !*out) {
+            *out = base_calloc(p->target_count, floats * sizeof **out);
+            result = *out ? STRATA_OK : gltf_no_memory(l);
         }
-        if (result != STRATA_OK) {
+        if (result != STRATA_OK || !read || !*out) {
             free(read);
             return result;
         }

@@ -175,7 +175,7 @@ static strata_result read_colors(gltf_loader *l, const gltf_primitive *p, const 
     float *read, *wide;
     strata_result result =
         gltf_read_attribute(l, &p->attributes, "COLOR_0", width, mesh->vertex_count, place, &read);
-    if (result != STRATA_OK || width == 4) {
+    if (result != STRATA_OK || !read || width == 4) {
         mesh->colors = read;
     } else {
         mesh->colors = wide = base_calloc(vertices, 4 * sizeof *wide);
@@ -184,10 +184,9 @@ static strata_result read_colors(gltf_loader *l, const gltf_primitive *p, const 
             wide[i * 4 + 3] = 1.0f;
         }
         free(read);
-        if (!wide)
-            return gltf_no_memory(l);
+        result = wide ? STRATA_OK : gltf_no_memory(l);
     }
-    if (result != STRATA_OK)
+    if (result != STRATA_OK || !mesh->colors)
         return result;
     gltf_mend(l, mesh->colors, vertices * 4, place, "COLOR_0");
     for (size_t i = 0; i < vertices * 4; i++) {

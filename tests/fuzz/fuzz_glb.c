@@ -9,6 +9,7 @@
 #include "scene/scene.h"
 #include "scenes/glb.h"
 
+#include <fcntl.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -394,17 +395,19 @@ static void damage(work *w, const seed *seeds, uint32_t seed_count) {
 static const char *saved = "fuzz_glb.crash"; /* the file being loaded, written when that kills us */
 static work current;
 
+static void say(const char *text) {
+    (void)!write(STDERR_FILENO, text, strlen(text));
+}
+
+/* Nothing but what a signal handler may call. */
 static void keep_file(void) {
-    FILE *file = fopen(saved, "wb"); /* the process is lost: this is worth the risk */
-    if (file) {
-        fwrite(current.data, 1, current.size, file);
-        fclose(file);
-    }
-    fprintf(stderr, "fuzz_glb: the file is %s\n", saved);
+    int fd = open(saved, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (fd >= 0 && write(fd, current.data, current.size) == (ssize_t)current.size)
+        say("fuzz_glb: the file is fuzz_glb.crash\n");
 }
 
 static void keep_and_die(int number) {
-    fprintf(stderr, "fuzz_glb: %s\n", number == SIGALRM ? "hang" : "crash");
+    say(number == SIGALRM ? "fuzz_glb: hang\n" : "fuzz_glb: crash\n");
     keep_file();
     _exit(1);
 }
@@ -450,7 +453,7 @@ int main(int argc, char **argv) {
         const seed *from = &seeds[dice(seed_count)];
         current = (work){.data = calloc(from->size + 1, 1), .size = from->size};
         if (!current.data)
-            return 2;
+            abort();
         memcpy(current.data, from->data, from->size);
         for (uint32_t n = 1 + dice(2); n > 0; n--)
             damage(&current, seeds, seed_count);

@@ -466,8 +466,7 @@ static void unreadable_images_are_left_out(void **state) {
     (void)state;
     test_glb g = {0};
     test_glb_png(&png, 3, 2, (const unsigned char[]){10, 20, 30, 200});
-    png.data[18] = '\x01'; /* width 0x00000103 */
-    png.data[17] = '\x40'; /* width 0x00400103 */
+    memcpy(png.data + 16, "\0\x40\x01\x03", 4); /* the width: 0x00400103 */
     test_glb_view(&g, png.data, png.length, 0);
     test_glb_view(&g, "GIF89a", 6, 0);
     base_text_free(&png);
