@@ -237,7 +237,7 @@ static strata_result host_buffer(gpu *g, strata_buffer buffer, uint64_t offset, 
 
 strata_result gpu_buffer_read(gpu *g, strata_buffer buffer, uint64_t offset, uint64_t size,
                               void *data, base_error *err) {
-    gpu_storage *storage;
+    gpu_storage *storage = NULL;
     strata_result result = host_buffer(g, buffer, offset, size, &storage, err);
     if (result != STRATA_OK || size == 0)
         return result;
@@ -247,7 +247,7 @@ strata_result gpu_buffer_read(gpu *g, strata_buffer buffer, uint64_t offset, uin
 
 strata_result gpu_buffer_write(gpu *g, strata_buffer buffer, uint64_t offset, uint64_t size,
                                const void *data, base_error *err) {
-    gpu_storage *storage;
+    gpu_storage *storage = NULL;
     strata_result result = host_buffer(g, buffer, offset, size, &storage, err);
     if (result != STRATA_OK || size == 0)
         return result;
@@ -273,7 +273,7 @@ static strata_result host_image(gpu *g, strata_image image, uint32_t layer, gpu_
 
 strata_result gpu_image_read(gpu *g, strata_image image, uint32_t layer, void *texels, size_t size,
                              base_error *err) {
-    gpu_object *object;
+    gpu_object *object = NULL;
     strata_result result = host_image(g, image, layer, &object, err);
     if (result != STRATA_OK)
         return result;
@@ -290,7 +290,7 @@ strata_result gpu_image_read(gpu *g, strata_image image, uint32_t layer, void *t
 strata_result gpu_image_write(gpu *g, strata_image image, uint32_t layer, uint32_t x, uint32_t y,
                               uint32_t width, uint32_t height, const void *texels,
                               base_error *err) {
-    gpu_object *object;
+    gpu_object *object = NULL;
     strata_result result = host_image(g, image, layer, &object, err);
     if (result != STRATA_OK)
         return result;
