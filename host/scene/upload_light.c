@@ -6,10 +6,11 @@
 #include "scene/upload_internal.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_LIGHTS 1024u /* each is a turn of a loop in every lit fragment */
+#define MOST_LIGHTS 256u /* 16 KiB, what every device binds as a uniform block */
 
 /* Towards the key light, in the eye's axes; and its illuminance in lux. */
 static const double key_direction[3] = {-0.45, 0.65, 0.61};
@@ -81,7 +82,10 @@ strata_result upload_lights(upload *u, const scene *s, base_error *err) {
         u->lights.id ? gpu_buffer_write(u->g, u->lights, 0, size, lights, err)
                      : upload_buffer(u, "StrataLights", "lights", lights, size, &u->lights, err);
     free(lights);
-    return result;
+    char count_text[16];
+    snprintf(count_text, sizeof count_text, "%u", u->light_count);
+    return result == STRATA_OK ? gpu_set_define(u->g, "STRATA_LIGHT_COUNT", count_text, err)
+                               : result;
 }
 
 strata_result upload_set_key_light(upload *u, const scene_view *first, base_error *err) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // glTF's metallic-roughness model: GGX (Walter 2007) with height-correlated Smith shadowing and
-// Schlick's Fresnel, punctual lights, and ambient light as spherical harmonics, specular through the
-// fit of the environment BRDF by Lazarov (2013) and Karis (2014). Part of shading.glsl.
+// Schlick's Fresnel, punctual lights, and ambient light as spherical harmonics, its reflection
+// through the fit of the environment BRDF by Lazarov (2013) and Karis (2014). Part of shading.glsl.
 #ifndef STRATA_LIGHTING_GLSL
 #define STRATA_LIGHTING_GLSL
 
@@ -14,15 +14,16 @@ struct StrataLight {
     vec4 color;     // rgb times intensity
     vec4 cone;      // cosines: inner, outer
 };
-layout(std430) readonly buffer StrataLights { StrataLight strata_lights[]; };
+// A constant count: the loop over few lights unrolls, and their loads become the same for all.
+layout(std140) uniform StrataLights { StrataLight strata_lights[STRATA_LIGHT_COUNT]; };
 
 const float STRATA_PI = 3.14159265358979;
 const float STRATA_SMALLEST_ROUGHNESS = 0.045; // its fourth power is still above a float's rounding
 
 #ifdef STRATA_HAS_TEXTURES
-// Turns a normal from a texture into the world. The axes are tangent, bitangent (against v: textures
-// are stored from the top) and normal; tangents as given, else the gradients of the coordinates
-// across the screen.
+// Turns a normal from a texture into the world. The axes are tangent, bitangent (against v, since
+// textures are stored from the top) and normal; tangents as given, else the gradients of the
+// coordinates across the screen.
 precise vec3 strata_bend(StrataTexture t, StrataUv uv, vec3 normal, vec3 bump) {
 #ifdef STRATA_HAS_TANGENTS
     if (strata_is(STRATA_RECORD_TANGENTS)) {
@@ -50,12 +51,11 @@ precise vec3 strata_shading_normal(StrataUv uv) {
     if (normal == vec3(0.0))
         return face;
 #ifdef STRATA_HAS_TEXTURES
-    StrataMaterial material = strata_materials[strata_in_ids.x];
-    if (material.normal_texture != STRATA_NO_INDEX) {
-        vec3 bump = strata_sample(material.normal_texture, STRATA_LINEAR, uv).xyz * 2.0 - 1.0;
-        bump.xy *= material.normal_scale;
-        vec3 bent = strata_unit(
-            strata_bend(strata_textures[material.normal_texture], uv, normal, bump));
+    uint map = strata_in_textures.z;
+    if (map != STRATA_NO_INDEX) {
+        vec3 bump = strata_sample(map, STRATA_LINEAR, uv).xyz * 2.0 - 1.0;
+        bump.xy *= uintBitsToFloat(strata_in_more_textures.z);
+        vec3 bent = strata_unit(strata_bend(strata_textures[map], uv, normal, bump));
         normal = bent == vec3(0.0) ? normal : bent;
     }
 #endif
@@ -146,33 +146,35 @@ precise vec3 strata_ambient_reflection(StrataReflector r, float roughness) {
 
 // Fills colour (without emission), transmission and tint from base colour and surface.normal.
 void strata_shade(vec3 base, StrataUv uv, inout StrataSurface surface) {
-    StrataMaterial material = strata_materials[strata_in_ids.x];
-    vec4 rough = strata_textured(material.metallic_roughness_texture, STRATA_LINEAR, uv);
-    float roughness = clamp(material.roughness * rough.g, STRATA_SMALLEST_ROUGHNESS, 1.0);
-    float metallic = clamp(material.metallic * rough.b, 0.0, 1.0);
+    vec4 rough = strata_textured(strata_in_textures.y, STRATA_LINEAR, uv);
+    float metallic = clamp(strata_in_reflection.x * rough.b, 0.0, 1.0);
+    float roughness = clamp(strata_in_reflection.y * rough.g, STRATA_SMALLEST_ROUGHNESS, 1.0);
     float occlusion = 1.0;
-    if (material.occlusion_texture != STRATA_NO_INDEX)
-        occlusion += material.occlusion_strength *
-                     (strata_textured(material.occlusion_texture, STRATA_LINEAR, uv).r - 1.0);
+    if (strata_in_textures.w != STRATA_NO_INDEX)
+        occlusion += uintBitsToFloat(strata_in_more_textures.w) *
+                     (strata_textured(strata_in_textures.w, STRATA_LINEAR, uv).r - 1.0);
+    vec3 dielectric = vec3(strata_in_reflection.z);
     precise StrataReflector r;
     r.normal = surface.normal;
-    r.view = strata_eye.w == 0.0 ? strata_eye.xyz : strata_unit(strata_eye.xyz - strata_in_position);
+    r.view = strata_eye.xyz;
+    if (strata_eye.w != 0.0)
+        r.view = strata_unit(strata_eye.xyz - strata_in_position);
     r.n_v = clamp(abs(strata_dot(r.normal, r.view)), 1e-4, 1.0);
     r.alpha = roughness * roughness;
-    r.f0 = strata_mix(vec3(material.f0), base, metallic);
+    r.f0 = strata_mix(dielectric, base, metallic);
     r.diffuse = base * (1.0 - metallic);
 #ifdef STRATA_HAS_TRANSMISSION
-    float enters = material.transmission *
-                   strata_textured(material.transmission_texture, STRATA_LINEAR, uv).r;
-    precise float share = clamp(enters, 0.0, 1.0) * (1.0 - metallic);
-    precise vec3 tint =
-        clamp(base, 0.0, 1.0) * share * (1.0 - strata_schlick(vec3(material.f0), r.n_v));
+    float enters = clamp(strata_in_reflection.w *
+                             strata_textured(strata_in_more_textures.y, STRATA_LINEAR, uv).r,
+                         0.0, 1.0);
+    precise float share = enters * (1.0 - metallic);
+    precise vec3 tint = clamp(base, 0.0, 1.0) * share * (1.0 - strata_schlick(dielectric, r.n_v));
     surface.transmission = share;
     surface.tint = tint;
-    r.diffuse *= 1.0 - clamp(enters, 0.0, 1.0);
+    r.diffuse *= 1.0 - enters;
 #endif
     precise vec3 color = strata_ambient_reflection(r, roughness) * occlusion;
-    for (uint i = 0u; i < strata_counts.x; ++i) {
+    for (int i = 0; i < STRATA_LIGHT_COUNT; ++i) {
         vec3 direction;
         vec3 arriving = strata_arriving(strata_lights[i], direction);
         color += strata_reflect(r, direction) * arriving;

@@ -2,14 +2,14 @@
 //
 // The scene on the GPU as the stages share it: records (one an instance of a mesh), materials,
 // flags. Written by host/scene/upload*.c, whose structs mirror these. Parts that a scene does not
-// have are not declared: the host defines STRATA_HAS_* for those that it has,
-//   LIT            a material that is shaded         TEXTURES       a material with a texture
-//   SRGB, LINEAR   colour, data pages of the atlas   UV0, UV1       texture coordinates
-//   COLORS         vertex colours                    TANGENTS       vertex tangents
-//   POINTS         splats                            RADII          splats with a radius of their own
-//   MASK           alpha-tested materials            BLEND          materials with coverage below 1
-//   EMISSION       emissive materials                TRANSMISSION   materials that let light through
-//   SINGLE_SIDED   faces without a back              PRIMITIVE_MAP  primitives submitted out of order
+// have are not declared. The host defines STRATA_LIGHT_COUNT, and STRATA_HAS_* for what there is:
+//   LIT           a material that is shaded         TEXTURES      a material with a texture
+//   SRGB, LINEAR  colour, data pages of the atlas   UV0, UV1      texture coordinates
+//   COLORS        vertex colours                    TANGENTS      vertex tangents
+//   POINTS        splats                            RADII         splats with their own radius
+//   MASK          alpha-tested materials            BLEND         materials with coverage below 1
+//   EMISSION      emissive materials                TRANSMISSION  materials that let light through
+//   SINGLE_SIDED  faces without a back              PRIMITIVE_MAP primitives out of order
 #ifndef STRATA_SCENE_GLSL
 #define STRATA_SCENE_GLSL
 

@@ -7,6 +7,7 @@
 #define STRATA_SHADING_GLSL
 
 #include "strata/frame.glsl"
+#include "strata/math.glsl"
 #include "strata/scene.glsl"
 #include "strata/surface.glsl"
 
@@ -36,6 +37,19 @@ layout(location = 6) in vec4 strata_in_color;
 #endif
 #ifdef STRATA_HAS_POINTS
 layout(location = 7) in vec2 strata_in_disc;
+#endif
+#ifdef STRATA_HAS_LIT
+layout(location = 8) flat in vec4 strata_in_reflection;
+#endif
+#if defined(STRATA_HAS_EMISSION) || defined(STRATA_HAS_MASK)
+layout(location = 9) flat in vec4 strata_in_emissive;
+#endif
+#ifdef STRATA_HAS_TEXTURES
+layout(location = 10) flat in uvec4 strata_in_textures;
+layout(location = 11) flat in uvec4 strata_in_more_textures;
+#else
+const uvec4 strata_in_textures = uvec4(STRATA_NO_INDEX);
+const uvec4 strata_in_more_textures = uvec4(STRATA_NO_INDEX, STRATA_NO_INDEX, 0u, 0u);
 #endif
 #ifdef STRATA_HAS_PRIMITIVE_MAP
 layout(std430) readonly buffer StrataPrimitiveMap { uint strata_primitive_map[]; };
@@ -77,30 +91,26 @@ vec4 strata_textured(uint index, bool srgb, StrataUv uv) {
 }
 
 // Factor, vertex colour and texture. Precise: alpha tests in different programs must agree.
-vec4 strata_base_color(StrataUv uv) {
-    precise vec4 color = strata_in_base_color;
+precise vec4 strata_base_color(StrataUv uv) {
+    vec4 color = strata_in_base_color;
 #ifdef STRATA_HAS_COLORS
     color *= strata_in_color;
 #endif
-#ifdef STRATA_HAS_TEXTURES
-    color *= strata_textured(strata_materials[strata_in_ids.x].base_color_texture, STRATA_SRGB, uv);
-#endif
-    return color;
+    return color * strata_textured(strata_in_textures.x, STRATA_SRGB, uv);
 }
 
 // Whether the fragment exists, given its alpha: discs of splats, faces without a back, alpha tests.
 bool strata_exists(float alpha) {
     bool exists = true;
 #ifdef STRATA_HAS_POINTS
-    precise float square = strata_in_disc.x * strata_in_disc.x + strata_in_disc.y * strata_in_disc.y;
-    exists = square <= 1.0;
+    exists = strata_dot(strata_in_disc, strata_in_disc) <= 1.0;
 #endif
 #ifdef STRATA_HAS_SINGLE_SIDED
     exists = exists && (strata_is(STRATA_RECORD_DOUBLE_SIDED) || strata_front());
 #endif
 #ifdef STRATA_HAS_MASK
     if (strata_is(STRATA_RECORD_MASK))
-        exists = exists && alpha >= strata_materials[strata_in_ids.x].emissive.w;
+        exists = exists && alpha >= strata_in_emissive.w;
 #endif
     return exists;
 }
@@ -120,10 +130,9 @@ bool strata_covered() {
 
 precise vec3 strata_emission(StrataUv uv) {
 #ifdef STRATA_HAS_EMISSION
-    StrataMaterial material = strata_materials[strata_in_ids.x];
     if (!strata_is(STRATA_RECORD_UNLIT))
-        return material.emissive.rgb *
-               strata_textured(material.emissive_texture, STRATA_SRGB, uv).rgb;
+        return strata_in_emissive.rgb *
+               strata_textured(strata_in_more_textures.x, STRATA_SRGB, uv).rgb;
 #endif
     return vec3(0.0);
 }

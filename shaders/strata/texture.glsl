@@ -13,8 +13,8 @@ struct StrataTexture {
     vec4 scale_rotate; // KHR_texture_transform, a row-major 2x2 matrix
     vec2 offset;
     uint size;         // width | height << 16
-    uint flags;        // bit 0 second coordinates, 1 magnify linear, 2 minify linear, 3 nearest level,
-                       // 4 blended levels, 5-6 wrap u, 7-8 wrap v (0 repeat, 1 mirror, 2 clamp)
+    uint flags;        // bit 0 second coordinates, 1 magnify linear, 2 minify linear, 3 nearest
+                       // level, 4 blended levels, 5-6 wrap u, 7-8 v (0 repeat, 1 mirror, 2 clamp)
     uint levels;       // how many
     uint first_level;  // in StrataTexels
     uint reserved[2];
@@ -32,14 +32,12 @@ uniform sampler2DArray strata_atlas_linear;
 const bool STRATA_SRGB = true;
 const bool STRATA_LINEAR = false;
 
-// Both sets of coordinates with their derivatives, which must be taken where control flow is uniform.
+// Both sets of coordinates with their derivatives, which must be taken in uniform control flow.
 struct StrataUv {
     vec4 at, dx, dy;
 };
 
-vec4 strata_texel(StrataTexture t, bool srgb, int level, ivec2 at) {
-    uvec2 place = strata_texels[t.first_level + uint(level)];
-    ivec3 texel = ivec3(ivec2(place.x & 0xffffu, place.x >> 16) + at, place.y);
+vec4 strata_texel(bool srgb, ivec3 texel) {
 #ifdef STRATA_HAS_SRGB
     if (srgb)
         return texelFetch(strata_atlas_srgb, texel, 0);
@@ -68,21 +66,24 @@ int strata_wrap_texel(int i, int size, uint mode) {
 vec4 strata_filter(StrataTexture t, bool srgb, int level, bool linear, vec2 uv) {
     uint wrap_u = (t.flags >> 5) & 3u, wrap_v = (t.flags >> 7) & 3u;
     ivec2 size = max(ivec2(t.size & 0xffffu, t.size >> 16) >> level, ivec2(1));
+    uvec2 place = strata_texels[t.first_level + uint(level)];
+    ivec2 corner = ivec2(place.x & 0xffffu, place.x >> 16);
+    int page = int(place.y);
     precise vec2 at = vec2(strata_wrap(uv.x, wrap_u), strata_wrap(uv.y, wrap_v)) * vec2(size);
     if (!linear) {
         ivec2 i = clamp(ivec2(floor(at)), ivec2(0), size - 1);
-        return strata_texel(t, srgb, level, i);
+        return strata_texel(srgb, ivec3(corner + i, page));
     }
     at -= 0.5;
     precise vec2 base = floor(at);
     precise vec2 f = at - base;
     ivec2 i = ivec2(base);
-    int x0 = strata_wrap_texel(i.x, size.x, wrap_u), x1 = strata_wrap_texel(i.x + 1, size.x, wrap_u);
-    int y0 = strata_wrap_texel(i.y, size.y, wrap_v), y1 = strata_wrap_texel(i.y + 1, size.y, wrap_v);
-    vec4 a = strata_texel(t, srgb, level, ivec2(x0, y0));
-    vec4 b = strata_texel(t, srgb, level, ivec2(x1, y0));
-    vec4 c = strata_texel(t, srgb, level, ivec2(x0, y1));
-    vec4 d = strata_texel(t, srgb, level, ivec2(x1, y1));
+    int x0 = corner.x + strata_wrap_texel(i.x, size.x, wrap_u);
+    int x1 = corner.x + strata_wrap_texel(i.x + 1, size.x, wrap_u);
+    int y0 = corner.y + strata_wrap_texel(i.y, size.y, wrap_v);
+    int y1 = corner.y + strata_wrap_texel(i.y + 1, size.y, wrap_v);
+    vec4 a = strata_texel(srgb, ivec3(x0, y0, page)), b = strata_texel(srgb, ivec3(x1, y0, page));
+    vec4 c = strata_texel(srgb, ivec3(x0, y1, page)), d = strata_texel(srgb, ivec3(x1, y1, page));
     return strata_mix(strata_mix(a, b, f.x), strata_mix(c, d, f.x), f.y);
 }
 

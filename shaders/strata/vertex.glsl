@@ -10,7 +10,7 @@
 layout(std430) readonly buffer StrataRecords { StrataRecord strata_records[]; };
 layout(std430) readonly buffer StrataPositions { float strata_positions[]; };
 
-layout(location = 0) flat out uvec4 strata_out_ids; // material, primitive base, primitive map, flags
+layout(location = 0) flat out uvec4 strata_out_ids; // material, primitive base and map, flags
 layout(location = 1) flat out vec4 strata_out_base_color;
 layout(location = 2) out vec3 strata_out_position;
 #ifdef STRATA_HAS_LIT
@@ -39,6 +39,20 @@ layout(location = 6) out vec4 strata_out_color;
 layout(std430) readonly buffer StrataRadii { float strata_radii[]; };
 #endif
 layout(location = 7) out vec2 strata_out_disc; // within the splat's disc: length <= 1; else 0
+#endif
+
+// What a fragment needs of its material: flat values cost it nothing, loads would.
+#ifdef STRATA_HAS_LIT
+layout(location = 8) flat out vec4 strata_out_reflection; // metallic, roughness, f0, transmission
+#endif
+#if defined(STRATA_HAS_EMISSION) || defined(STRATA_HAS_MASK)
+layout(location = 9) flat out vec4 strata_out_emissive; // rgb, alpha cutoff
+#endif
+#ifdef STRATA_HAS_TEXTURES
+// Base colour, metallic and roughness, normal, occlusion; emissive, transmission, and as bits of
+// floats the strengths of normal map and occlusion.
+layout(location = 10) flat out uvec4 strata_out_textures;
+layout(location = 11) flat out uvec4 strata_out_more_textures;
 #endif
 
 invariant gl_Position;
@@ -120,6 +134,24 @@ void strata_expand_splat(StrataRecord record, uint vertex, vec2 corner, inout ve
 }
 #endif
 
+void strata_write_material(StrataMaterial material) {
+    strata_out_base_color = material.base_color;
+#ifdef STRATA_HAS_LIT
+    strata_out_reflection =
+        vec4(material.metallic, material.roughness, material.f0, material.transmission);
+#endif
+#if defined(STRATA_HAS_EMISSION) || defined(STRATA_HAS_MASK)
+    strata_out_emissive = material.emissive;
+#endif
+#ifdef STRATA_HAS_TEXTURES
+    strata_out_textures = uvec4(material.base_color_texture, material.metallic_roughness_texture,
+                                material.normal_texture, material.occlusion_texture);
+    strata_out_more_textures = uvec4(material.emissive_texture, material.transmission_texture,
+                                     floatBitsToUint(material.normal_scale),
+                                     floatBitsToUint(material.occlusion_strength));
+#endif
+}
+
 void main() {
     StrataRecord record = strata_records[STRATA_INSTANCE];
     uint vertex = STRATA_VERTEX;
@@ -139,7 +171,7 @@ void main() {
     gl_Position = clip;
     strata_out_ids =
         uvec4(record.material, record.primitive_base, record.primitive_map, record.flags);
-    strata_out_base_color = strata_materials[record.material].base_color;
+    strata_write_material(strata_materials[record.material]);
     strata_out_position = world;
 #ifdef STRATA_HAS_LIT
     strata_write_normal(record, vertex);
