@@ -216,10 +216,12 @@ static void test_json_fields(void **state) {
 /* Replaces the first `from` in a good note by `to` and parses it. */
 static strata_result parse_changed(const char *from, const char *to, base_error *err) {
     char *text = good_note();
-    char *at = strstr(text, from);
-    if (!at)
+    size_t at = 0;
+    while (text[at] && strncmp(text + at, from, strlen(from)) != 0)
+        at++;
+    if (!text[at])
         fail_msg("the note has no %s", from);
-    char *changed = base_format("%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
+    char *changed = base_format("%.*s%s%s", (int)at, text, to, text + at + strlen(from));
     note_arena arena = {0};
     modules_note note;
     strata_result result = note_parse(changed, "fixture.so", &arena, &note, err);
