@@ -33,19 +33,33 @@ void gpu_spirv_free(gpu_spirv *spirv) {
     *spirv = (gpu_spirv){0};
 }
 
+/* A message of the linker goes over several lines, the names in question in the last. */
+static strata_result fail_linking(const char *label, const char *message, base_error *err) {
+    char line[384];
+    const char *end = strstr(message, "\nERROR: ");
+    size_t length = end ? (size_t)(end - message) : strlen(message), used = 0;
+    for (size_t i = 0; i < length && used + 1 < sizeof line; i++) {
+        int blank = message[i] == '\n' || message[i] == ' ';
+        if (!blank || (used && line[used - 1] != ' '))
+            line[used++] = blank ? ' ' : message[i];
+    }
+    while (used && line[used - 1] == ' ')
+        used--;
+    return base_fail(err, STRATA_ERROR_SHADER, "%s: %.*s", label, (int)used, line);
+}
+
 /* The first error of the log, "ERROR: SOURCE:LINE: text", as "path:line: text". */
 static strata_result fail_from_log(const char *label, const gpu_source *source, const char *log,
                                    base_error *err) {
     const char *line = log ? strstr(log, "ERROR: ") : NULL;
     if (!line)
-        return base_fail(err, STRATA_ERROR_SHADER, "%s: %s", label,
-                         log && log[0] ? log : "the compiler gave no reason");
+        return fail_linking(label, log && log[0] ? log : "the compiler gave no reason", err);
     line += strlen("ERROR: ");
     size_t length = strcspn(line, "\n");
     char *end = NULL;
     unsigned long number = strtoul(line, &end, 10);
     if (end == line || *end != ':' || !source || number >= source->path_count)
-        return base_fail(err, STRATA_ERROR_SHADER, "%s: %.*s", label, (int)length, line);
+        return fail_linking(label, line, err);
     return base_fail(err, STRATA_ERROR_SHADER, "%s%.*s", source->paths[number],
                      (int)(length - (size_t)(end - line)), end);
 }

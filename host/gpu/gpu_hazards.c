@@ -65,7 +65,7 @@ static int derive_one(const gpu_use *use, gpu_barrier *barrier) {
         storage->read_access = storage->read_stages = 0;
         for (int i = 0; i < 4; i++)
             storage->seen[i] = 0;
-        return barrier->before != 0;
+        return 1; /* new storage too was written: with zeros */
     }
     storage->read_access |= use->access;
     storage->read_stages |= use->stages;

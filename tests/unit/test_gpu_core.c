@@ -158,6 +158,31 @@ static void test_hazards_copies(void **state) {
     assert_int_equal(words[1], 7);
 }
 
+/* The host's own writes are writes, and one storage under two names is one use. */
+static void test_hazards_host_and_names(void **state) {
+    fixture *f = *state;
+    const uint32_t word = 1;
+    strata_buffer values = make_buffer(f, "values", 256);
+    const strata_bind apart[2] = {bind_buffer("Values", values),
+                                  bind_buffer("Sums", make_buffer(f, "sums", 256))};
+    const strata_bind both[2] = {bind_buffer("Values", values), bind_buffer("Sums", values)};
+    strata_program reads = make_program(f, STRATA_PROGRAM_COMPUTE, &reduce);
+    gpu_begin(f->g, 4, 4);
+    dispatch(f, "one", reads, apart, 2);
+    submit(f);
+    assert_int_equal(gpu_buffer_write(f->g, values, 0, 4, &word, &f->err), STRATA_OK);
+    dispatch(f, "two", reads, apart, 2);
+    dispatch(f, "three", reads, both, 2);
+    dispatch(f, "four", reads, apart, 2);
+    submit(f);
+    assert_logged(f, "pass two program program groups 1x1x1 Values=values Sums=sums "
+                     "[values copy-write>storage-read/c] [sums storage-write/c>storage-write/c]\n");
+    assert_logged(f, "pass three program program groups 1x1x1 Values=values Sums=values "
+                     "[values storage-read|copy-write/c>storage-read|storage-write/c]\n");
+    assert_logged(f, "pass four program program groups 1x1x1 Values=values Sums=sums "
+                     "[values storage-read|storage-write/c>storage-read/c] ");
+}
+
 /* ---- scopes, history, bytes ------------------------------------------------------------------ */
 
 static strata_buffer history_buffer(fixture *f, gpu_scope *scope, uint64_t size) {
@@ -503,6 +528,7 @@ int main(void) {
         ON_NULL(test_hazards_buffer),
         ON_NULL(test_hazards_image),
         ON_NULL(test_hazards_copies),
+        ON_NULL(test_hazards_host_and_names),
         ON_NULL(test_history),
         ON_NULL(test_history_image),
         ON_NULL(test_bytes),
