@@ -15,8 +15,9 @@ strata_result render_account_passes(strata *s, base_error *err) {
     const gpu_timing *timings = gpu_timings(s->gpu, &count);
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t at = 0;
-        while (at < result->pass_count && (strcmp(result->passes[at].label, timings[i].label) != 0 ||
-                                           strcmp(result->passes[at].owner, timings[i].owner) != 0))
+        while (at < result->pass_count &&
+               (strcmp(result->passes[at].label, timings[i].label) != 0 ||
+                strcmp(result->passes[at].owner, timings[i].owner) != 0))
             ++at;
         if (at == result->pass_count) {
             render_pass_time *passes =
@@ -30,8 +31,8 @@ strata_result render_account_passes(strata *s, base_error *err) {
             result->pass_count++;
         }
         render_pass_time *pass = &result->passes[at];
-        pass->gpu_ms = timings[i].gpu_ms < 0 || pass->gpu_ms < 0 ? -1
-                                                                  : pass->gpu_ms + timings[i].gpu_ms;
+        pass->gpu_ms =
+            timings[i].gpu_ms < 0 || pass->gpu_ms < 0 ? -1 : pass->gpu_ms + timings[i].gpu_ms;
         pass->cpu_ms += timings[i].cpu_ms;
     }
     return STRATA_OK;
@@ -54,11 +55,10 @@ static json_t *passes_json(const render_result *result) {
     json_t *passes = json_array();
     for (uint32_t i = 0; i < result->pass_count; ++i) {
         const render_pass_time *p = &result->passes[i];
-        json_array_append_new(passes,
-                              json_pack("{s:s, s:s, s:o, s:f}", "label", p->label, "technique",
-                                        p->owner, "gpu_ms",
-                                        p->gpu_ms < 0 ? json_null() : json_real(p->gpu_ms), "cpu_ms",
-                                        p->cpu_ms));
+        json_array_append_new(passes, json_pack("{s:s, s:s, s:o, s:f}", "label", p->label,
+                                                "technique", p->owner, "gpu_ms",
+                                                p->gpu_ms < 0 ? json_null() : json_real(p->gpu_ms),
+                                                "cpu_ms", p->cpu_ms));
     }
     return passes;
 }
@@ -120,14 +120,13 @@ json_t *render_account_json(const strata *s) {
         json_array_append_new(frame_ms, json_real(result->frame_ms[i]));
     const render_session *session = s->session;
     /* Exact techniques' rounding is not computed pixel by pixel: null, not a guess. */
-    return json_pack("{s:s, s:o, s:[i,i], s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:n, s:i, s:i, s:i, s:o}",
-                     "scene", result->scene_path ? result->scene_path : "", "device",
-                     render_device_json(s), "size", (int)result->width, (int)result->height,
-                     "effects", plan_json_effects(session->plan), "plan",
-                     plan_json_techniques(session->plan), "modules_opened", opened_json(s),
-                     "passes", passes_json(result), "frame_ms", frame_ms, "bytes", bytes_json(s),
-                     "fragments", fragments_json(&result->report), "bound", "retries",
-                     (int)result->retries, "bands", (int)result->bands, "stalls",
-                     (int)result->stalls, "warnings",
-                     render_warnings_json(s, session->scene, session->plan));
+    return json_pack(
+        "{s:s, s:o, s:[i,i], s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:n, s:i, s:i, s:i, s:o}", "scene",
+        result->scene_path ? result->scene_path : "", "device", render_device_json(s), "size",
+        (int)result->width, (int)result->height, "effects", plan_json_effects(session->plan),
+        "plan", plan_json_techniques(session->plan), "modules_opened", opened_json(s), "passes",
+        passes_json(result), "frame_ms", frame_ms, "bytes", bytes_json(s), "fragments",
+        fragments_json(&result->report), "bound", "retries", (int)result->retries, "bands",
+        (int)result->bands, "stalls", (int)result->stalls, "warnings",
+        render_warnings_json(s, session->scene, session->plan));
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * strata/host.h: opening, scenes, and the texts that cross as JSON. Every entry keeps the line of its
- * failure with the instance. Rendering itself is in render.c.
+ * strata/host.h: opening, scenes, and the texts that cross as JSON. Every entry keeps the line of
+ * its failure with the instance. Rendering itself is in render.c.
  */
 #include "render/render.h"
 
@@ -10,7 +10,8 @@
 
 static _Thread_local base_error open_error;
 
-/* ---- instances ------------------------------------------------------------------------------------- */
+/* ---- instances
+ * ------------------------------------------------------------------------------------- */
 
 static char *copy_text(const char *text, int *failed) {
     if (!text)
@@ -20,7 +21,8 @@ static char *copy_text(const char *text, int *failed) {
     return copy;
 }
 
-/* The user's cache: STRATA_CACHE_DIR, else XDG_CACHE_HOME/strata, else HOME/.cache/strata, else none. */
+/* The user's cache: STRATA_CACHE_DIR, else XDG_CACHE_HOME/strata, else HOME/.cache/strata, else
+ * none. */
 static char *cache_folder(const char *given, int *failed) {
     const char *set = getenv("STRATA_CACHE_DIR"), *xdg = getenv("XDG_CACHE_HOME"),
                *home = getenv("HOME");
@@ -97,7 +99,8 @@ const char *strata_error(const strata *s) {
     return s ? s->error.text : open_error.text;
 }
 
-/* ---- scenes ---------------------------------------------------------------------------------------- */
+/* ---- scenes
+ * ---------------------------------------------------------------------------------------- */
 
 static strata_result keep_scene(strata *s, scene *loaded, strata_scene **out) {
     strata_scene *sc = base_calloc(1, sizeof *sc);
@@ -191,7 +194,8 @@ strata_result strata_scene_set_visible(strata_scene *sc, uint32_t instance, uint
     return scene_set_visible(sc->scene, instance, visible, &sc->owner->error);
 }
 
-/* ---- texts ----------------------------------------------------------------------------------------- */
+/* ---- texts
+ * ----------------------------------------------------------------------------------------- */
 
 /* Writes the object and lets go of it. */
 static strata_result write_json(strata *s, json_t *object, strata_write_fn write, void *user) {
@@ -216,9 +220,9 @@ strata_result strata_account(strata *s, strata_write_fn write, void *user) {
 }
 
 static void add_device(void *user, const gpu_device_info *info, uint32_t index) {
-    json_array_append_new(user, json_pack("{s:i, s:s, s:s, s:s}", "index", (int)index, "backend",
-                                          info->backend, "name", info->name, "driver",
-                                          info->driver));
+    json_array_append_new(user,
+                          json_pack("{s:i, s:s, s:s, s:s}", "index", (int)index, "backend",
+                                    info->backend, "name", info->name, "driver", info->driver));
 }
 
 static json_t *scenes_json(void) {
@@ -258,12 +262,12 @@ strata_result strata_list(strata *s, strata_write_fn write, void *user) {
         notes[i] = modules_note_at(s->modules, i);
     for (uint32_t i = 0; i < modules_refused_count(s->modules); ++i) {
         const modules_refusal *refusal = modules_refused_at(s->modules, i);
-        json_array_append_new(rejected, json_pack("{s:s, s:s}", "path", refusal->path, "reason",
-                                                  refusal->reason));
+        json_array_append_new(
+            rejected, json_pack("{s:s, s:s}", "path", refusal->path, "reason", refusal->reason));
     }
     gpu_enumerate(add_device, devices);
-    snprintf(version, sizeof version, "%u.%u", STRATA_VERSION_MAJOR(strata_version()),
-             STRATA_VERSION_MINOR(strata_version()));
+    snprintf(version, sizeof version, "%u.%u", STRATA_VERSION_MAJOR(STRATA_ABI_VERSION),
+             STRATA_VERSION_MINOR(STRATA_ABI_VERSION));
     json_t *object = json_pack("{s:s, s:o, s:o, s:o, s:o}", "version", version, "modules",
                                plan_json_modules(notes, count), "rejected", rejected, "devices",
                                devices, "scenes", scenes_json());
@@ -308,7 +312,8 @@ strata_result strata_compare(strata *s, const char *a, const char *b, const char
                       write, user);
 }
 
-/* ---- plan ------------------------------------------------------------------------------------------ */
+/* ---- plan
+ * ------------------------------------------------------------------------------------------ */
 
 strata_result strata_plan(strata *s, strata_scene *sc, const strata_render_options *given,
                           strata_write_fn write, void *user) {

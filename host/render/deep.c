@@ -47,19 +47,20 @@ void render_deep_free(render_deep *deep) {
     *deep = (render_deep){0};
 }
 
-/* ---- reading a band ----------------------------------------------------------------------------------- */
+/* ---- reading a band
+ * ----------------------------------------------------------------------------------- */
 
 static strata_result make_program(render_session *session, base_error *err) {
     if (session->deep_program.id)
         return STRATA_OK;
     const strata_glsl *source = gpu_library_find("strata/elements.glsl");
-    strata_result r = gpu_program_create(
-        session->scope,
-        &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
-                               .kind = STRATA_PROGRAM_COMPUTE,
-                               .label = "elements",
-                               .source = source},
-        &session->deep_program, err);
+    strata_result r =
+        gpu_program_create(session->scope,
+                           &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
+                                                  .kind = STRATA_PROGRAM_COMPUTE,
+                                                  .label = "elements",
+                                                  .source = source},
+                           &session->deep_program, err);
     if (r == STRATA_OK)
         r = gpu_buffer_create(session->scope,
                               &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
@@ -71,11 +72,11 @@ static strata_result make_program(render_session *session, base_error *err) {
 
 static strata_result read_elements(render_session *session, deep_band *band, base_error *err) {
     gpu *g = session->owner->gpu;
-    const strata_bind binds[] = {{.struct_size = sizeof(strata_bind),
-                                  .name = "StrataElements",
-                                  .buffer = session->deep_elements},
-                                 {.struct_size = sizeof(strata_bind),
-                                  .pool = session->fragments.records}};
+    const strata_bind binds[] = {
+        {.struct_size = sizeof(strata_bind),
+         .name = "StrataElements",
+         .buffer = session->deep_elements},
+        {.struct_size = sizeof(strata_bind), .pool = session->fragments.records}};
     strata_result r = STRATA_OK;
     for (uint32_t first = 0; first < band->records && r == STRATA_OK; first += CHUNK) {
         const uint32_t left = band->records - first;
@@ -125,7 +126,8 @@ static strata_result read_band(render_session *session, deep_band *band, base_er
     return r == STRATA_OK ? read_elements(session, band, err) : r;
 }
 
-/* ---- sorting and appending ------------------------------------------------------------------------------ */
+/* ---- sorting and appending
+ * ------------------------------------------------------------------------------ */
 
 static int by_key(const void *a, const void *b) {
     const deep_record *left = a, *right = b;
@@ -134,7 +136,8 @@ static int by_key(const void *a, const void *b) {
     return left->order < right->order ? -1 : left->order > right->order;
 }
 
-/* Slots of a pixel, in order. Returns their number; a list that is longer than it says ends early. */
+/* Slots of a pixel, in order. Returns their number; a list that is longer than it says ends early.
+ */
 static uint32_t sort_pixel(deep_band *band, uint32_t pixel) {
     const uint32_t count = band->ranges[2 * pixel + 1];
     uint32_t slot = band->ranges[2 * pixel], found = 0;
@@ -179,8 +182,8 @@ static strata_result append_pixel(render_session *session, deep_band *band, uint
     strata *s = session->owner;
     render_deep *deep = &s->result.deep_build;
     const float none[3] = {0, 0, 0};
-    strata_result r = reserve(deep, (size_t)found + 1, session->plan->transmittance_channels == 3,
-                              err);
+    strata_result r =
+        reserve(deep, (size_t)found + 1, session->plan->transmittance_channels == 3, err);
     if (r != STRATA_OK)
         return r;
     deep->offset[at] = deep->samples;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The generated effect header, strata/effects.glsl: StrataPayload with the active effects' fields and
- * no others, its packing into the planes of fragments/1 as the plan laid it out, and the calls into
- * the effects' own GLSL. Stands between plan and fragments.
+ * The generated effect header, strata/effects.glsl: StrataPayload with the active effects' fields
+ * and no others, its packing into the planes of fragments/1 as the plan laid it out, and the calls
+ * into the effects' own GLSL. Stands between plan and fragments.
  */
 #include "render/render.h"
 
@@ -75,8 +75,7 @@ static void add_calls(base_text *text, const plan *p) {
         if (!p->effects[i].active)
             continue;
         if (several && p->effects[i].index + 1 < p->active_effects)
-            base_text_add(text, "    if (payload.id == %u.0)\n    ",
-                          p->effects[i].index);
+            base_text_add(text, "    if (payload.id == %u.0)\n    ", p->effects[i].index);
         base_text_add(text, "    return %s_event(payload);\n", p->effects[i].effect->id);
     }
     base_text_add(text, "}\n");
@@ -91,8 +90,10 @@ static void add_planes(base_text *text, const plan_payload *payload, const char 
 
 /* word = a | b << 8 | ... of the channels that lie in it */
 static void add_store(base_text *text, const plan_payload *payload) {
-    base_text_add(text, "void strata_payload_store(uint slot, StrataPayload payload) {\n"
-                        "    uint words[%u];\n", payload->words + 1);
+    base_text_add(text,
+                  "void strata_payload_store(uint slot, StrataPayload payload) {\n"
+                  "    uint words[%u];\n",
+                  payload->words + 1);
     for (uint32_t word = 0; word < payload->words; ++word) {
         const char *separator = "";
         base_text_add(text, "    words[%u] = ", word);
@@ -111,7 +112,8 @@ static void add_store(base_text *text, const plan_payload *payload) {
     uint32_t word = 0;
     for (uint32_t i = 0; i < payload->plane_count; ++i) {
         if (payload->plane_strides[i] == 8)
-            base_text_add(text, "    strata_payload%u[slot] = "
+            base_text_add(text,
+                          "    strata_payload%u[slot] = "
                           "STRATA_TO_PAIR(uvec2(words[%u], words[%u]));\n",
                           i, word, word + 1);
         else
@@ -179,7 +181,8 @@ static strata_result set_sources(render_session *session, base_error *err) {
         char name[96];
         if (!planned->active)
             continue;
-        strata_result r = modules_open_effect(session->owner->modules, planned->effect->id, &effect, err);
+        strata_result r =
+            modules_open_effect(session->owner->modules, planned->effect->id, &effect, err);
         if (r == STRATA_OK) {
             snprintf(name, sizeof name, "effects/%s.glsl", planned->effect->id);
             r = gpu_set_include(session->owner->gpu, name, effect->glsl->text, err);

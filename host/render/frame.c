@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * One frame: the opaque part once (in rounds), the transparent part band by band, each verified; and
- * again while something overflowed or was learned. Stands between plan and fragments.
+ * One frame: the opaque part once (in rounds), the transparent part band by band, each verified;
+ * and again while something overflowed or was learned. Stands between plan and fragments.
  */
 #include "render/render.h"
 
@@ -9,9 +9,10 @@
 #include <string.h>
 
 #define MAX_ATTEMPTS 64u
-#define POOL_STEP 256u /* elements that capacities are rounded up to */
+#define POOL_STEP    256u /* elements that capacities are rounded up to */
 
-/* ---- strata_frame: what a technique may do while it records or verifies ----------------------------- */
+/* ---- strata_frame: what a technique may do while it records or verifies
+ * ----------------------------- */
 
 static void frame_pass(void *self, const strata_pass *pass) {
     const render_technique *t = self;
@@ -48,7 +49,7 @@ static uint64_t frame_needed(void *self, strata_pool pool) {
     render_technique *t = self;
     uint64_t needed = 0;
     return gpu_pool_needed(t->session->owner->gpu, pool, &needed, &t->error) == STRATA_OK ? needed
-                                                                                         : 0;
+                                                                                          : 0;
 }
 
 static void frame_report(void *self, uint32_t what, uint64_t value) {
@@ -99,7 +100,8 @@ static strata_frame make_frame(render_technique *t, uint32_t band, uint32_t roun
                           .fail = frame_failed};
 }
 
-/* ---- the frame block -------------------------------------------------------------------------------- */
+/* ---- the frame block
+ * -------------------------------------------------------------------------------- */
 
 static strata_result write_block(render_session *session, const scene_view *view,
                                  const strata_render_options *options, const render_rect *rect,
@@ -115,10 +117,12 @@ static strata_result write_block(render_session *session, const scene_view *view
     memcpy(block.eye, view->eye, sizeof block.eye);
     memcpy(block.background, options->background, sizeof block.background);
     upload_ambient(block.ambient);
-    return gpu_buffer_write(session->owner->gpu, session->frame_block, 0, sizeof block, &block, err);
+    return gpu_buffer_write(session->owner->gpu, session->frame_block, 0, sizeof block, &block,
+                            err);
 }
 
-/* ---- recording and verifying -------------------------------------------------------------------------- */
+/* ---- recording and verifying
+ * -------------------------------------------------------------------------- */
 
 static int is_opaque_stage(const render_technique *t) {
     return strcmp(t->planned->technique->stage, "draws") == 0 ||
@@ -233,12 +237,15 @@ static strata_result record_bands(render_session *session, const scene_view *vie
     return STRATA_OK;
 }
 
-/* ---- growing, or splitting into bands ------------------------------------------------------------------ */
+/* ---- growing, or splitting into bands
+ * ------------------------------------------------------------------ */
 
-/* First exactly what is needed, later a quarter more, so that a moving camera does not retry for ever. */
+/* First exactly what is needed; then, time after time, from a 64th to a quarter more, so that a
+ * moving camera does not retry for ever. */
 static uint64_t grown(const render_technique *t, uint32_t pool, uint64_t needed) {
-    if (t->pool_grown[pool] > 0)
-        needed += needed / 4;
+    const uint32_t times = t->pool_grown[pool];
+    if (times > 0)
+        needed += needed >> (times < 5 ? 7 - times : 2);
     return (needed + POOL_STEP - 1) / POOL_STEP * POOL_STEP;
 }
 
@@ -248,8 +255,8 @@ static uint64_t room(const render_session *session, strata_pool pool) {
     uint64_t most = gpu_pool_limit(g, pool);
     if (session->owner->memory) {
         const uint64_t element = gpu_pool_element_bytes(g, pool);
-        uint64_t used = gpu_bytes(g, NULL) - gpu_bytes(g, "scene") -
-                        gpu_pool_capacity(g, pool) * element;
+        uint64_t used =
+            gpu_bytes(g, NULL) - gpu_bytes(g, "scene") - gpu_pool_capacity(g, pool) * element;
         const uint64_t left = session->owner->memory > used ? session->owner->memory - used : 0;
         if (left / element < most)
             most = left / element;
@@ -257,7 +264,8 @@ static uint64_t room(const render_session *session, strata_pool pool) {
     return most;
 }
 
-static strata_result split(render_session *session, uint64_t needed, uint64_t most, base_error *err) {
+static strata_result split(render_session *session, uint64_t needed, uint64_t most,
+                           base_error *err) {
     if (most == 0)
         return base_fail(err, STRATA_ERROR_OUT_OF_DEVICE_MEMORY,
                          "the memory allowed holds not even one band of the frame");

@@ -16,8 +16,8 @@ void render_warn(strata *s, const char *format, ...) {
     vsnprintf(line, sizeof line, format, arguments);
     va_end(arguments);
     base_log(BASE_LOG_WARNING, "%s", line);
-    char **warnings = base_realloc(s->result.warnings, (size_t)s->result.warning_count + 1,
-                                   sizeof *warnings);
+    char **warnings =
+        base_realloc(s->result.warnings, (size_t)s->result.warning_count + 1, sizeof *warnings);
     if (!warnings)
         return;
     s->result.warnings = warnings;
@@ -63,7 +63,8 @@ strata_result render_exclude(strata *s, const char *technique, const char *reaso
     return STRATA_OK;
 }
 
-/* ---- the plan --------------------------------------------------------------------------------------- */
+/* ---- the plan
+ * --------------------------------------------------------------------------------------- */
 
 static uint64_t device_fact(void *user, const char *id) {
     return gpu_fact(((strata *)user)->gpu, id);
@@ -130,7 +131,8 @@ strata_result render_plan(strata *s, scene *sc, const strata_render_options *opt
     return r;
 }
 
-/* ---- whether the session still fits -------------------------------------------------------------------- */
+/* ---- whether the session still fits
+ * -------------------------------------------------------------------- */
 
 /* What of a plan the techniques were prepared for; costs and reasons do not matter. */
 static char *plan_key(const plan *p) {

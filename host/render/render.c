@@ -46,7 +46,8 @@ strata_result render_options(const strata_render_options *given, strata_render_o
     return STRATA_OK;
 }
 
-/* ---- reading back ------------------------------------------------------------------------------------ */
+/* ---- reading back
+ * ------------------------------------------------------------------------------------ */
 
 static strata_result read_depth(strata *s, base_error *err) {
     render_session *session = s->session;
@@ -84,7 +85,8 @@ static strata_result read_back(strata *s, const strata_render_options *options, 
     return r;
 }
 
-/* ---- frames ------------------------------------------------------------------------------------------ */
+/* ---- frames
+ * ------------------------------------------------------------------------------------------ */
 
 static strata_result render_frames(strata *s, const strata_render_options *options,
                                    const char **failed, base_error *err) {
@@ -92,8 +94,9 @@ static strata_result render_frames(strata *s, const strata_render_options *optio
     result->frame_count = 0;
     for (uint32_t i = 0; i < options->repeat; ++i) {
         const double begin = base_now_ms();
-        strata_result r = scene_view_make(s->session->scene, options->camera, options->angle + options->turn * i,
-                                          options->width, options->height, &result->view, err);
+        strata_result r =
+            scene_view_make(s->session->scene, options->camera, options->angle + options->turn * i,
+                            options->width, options->height, &result->view, err);
         if (r == STRATA_OK && i == 0)
             r = upload_set_key_light(s->session->upload, &result->view, err);
         if (r == STRATA_OK)
@@ -138,8 +141,10 @@ static int recoverable(strata *s, strata_result r, const char *failed, const bas
     base_error ignored = {0};
     if (r == STRATA_ERROR_DEVICE_LOST) {
         s->losses++;
-        if (s->losses > 1 && (!failed || render_exclude(s, failed, "the device was lost twice in its "
-                                                                   "passes", &ignored) != STRATA_OK))
+        if (s->losses > 1 && (!failed || render_exclude(s, failed,
+                                                        "the device was lost twice in its "
+                                                        "passes",
+                                                        &ignored) != STRATA_OK))
             return 0;
         if (s->losses == 1)
             render_warn(s, "the device was lost and is replaced");
@@ -190,7 +195,8 @@ strata_result strata_render(strata *s, strata_scene *sc, const strata_render_opt
     return s->error.result;
 }
 
-/* ---- outputs ----------------------------------------------------------------------------------------- */
+/* ---- outputs
+ * ----------------------------------------------------------------------------------------- */
 
 static const image *output_image(const strata *s, uint32_t output) {
     if (!s->result.valid)
@@ -215,8 +221,9 @@ strata_result strata_read(strata *s, uint32_t output, float *pixels, size_t size
         return base_fail(&s->error, STRATA_ERROR_INVALID_STATE, "no such output was rendered");
     const size_t row = (size_t)im->width * 4;
     if (size != row * im->height * sizeof(float))
-        return base_fail(&s->error, STRATA_ERROR_INVALID_ARGUMENT, "the output has %zu bytes, not %zu",
-                         row * im->height * sizeof(float), size);
+        return base_fail(&s->error, STRATA_ERROR_INVALID_ARGUMENT,
+                         "the output has %zu bytes, not %zu", row * im->height * sizeof(float),
+                         size);
     for (uint32_t y = 0; y < im->height; ++y)
         memcpy(pixels + row * y, im->pixels + row * (im->height - 1 - y), row * sizeof(float));
     return STRATA_OK;

@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * The session: the techniques of a plan as instances, the images that fill the slots, the bands. Here
- * stands what a technique sees of the host: strata_gpu for creation, strata_view for prepare().
+ * The session: the techniques of a plan as instances, the images that fill the slots, the bands.
+ * Here stands what a technique sees of the host: strata_gpu for creation, strata_view for
+ * prepare().
  */
 #include "render/render.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- strata_gpu: creation, in the scope of the moment --------------------------------------------- */
+/* ---- strata_gpu: creation, in the scope of the moment
+ * --------------------------------------------- */
 
 static strata_result allowed(render_technique *t) {
     if (t->scope)
@@ -85,7 +87,8 @@ static const char *technique_error(void *self) {
     return t->error.text;
 }
 
-/* ---- strata_host ---------------------------------------------------------------------------------- */
+/* ---- strata_host
+ * ---------------------------------------------------------------------------------- */
 
 static void technique_log(void *self, uint32_t level, const char *text) {
     const render_technique *t = self;
@@ -99,7 +102,8 @@ static const void *technique_extension(void *self, const char *id) {
     return NULL;
 }
 
-/* ---- strata_view ---------------------------------------------------------------------------------- */
+/* ---- strata_view
+ * ---------------------------------------------------------------------------------- */
 
 static int names_slot(const render_technique *t, const char *slot, uint32_t use) {
     for (uint32_t i = 0; i < t->technique->slot_count; ++i)
@@ -207,7 +211,8 @@ static strata_result technique_failed(const render_technique *t, const char *cal
                      t->planned->technique->id, call, (int)r);
 }
 
-strata_result render_session_prepare(render_session *session, const char **failed, base_error *err) {
+strata_result render_session_prepare(render_session *session, const char **failed,
+                                     base_error *err) {
     *failed = NULL;
     if (session->prepared)
         return STRATA_OK;
@@ -233,7 +238,8 @@ strata_result render_session_prepare(render_session *session, const char **faile
     return STRATA_OK;
 }
 
-/* ---- bands ---------------------------------------------------------------------------------------- */
+/* ---- bands
+ * ---------------------------------------------------------------------------------------- */
 
 strata_result render_bands(render_session *session, uint32_t count, base_error *err) {
     const uint32_t rows = count < session->height ? count : session->height;
@@ -266,30 +272,30 @@ strata_result render_bands(render_session *session, uint32_t count, base_error *
     return STRATA_OK;
 }
 
-/* ---- making and ending ------------------------------------------------------------------------------ */
+/* ---- making and ending
+ * ------------------------------------------------------------------------------ */
 
 static strata_result open_technique(render_session *session, uint32_t index, base_error *err) {
     render_technique *t = &session->techniques[index];
     const plan_technique *planned = &session->plan->techniques[index];
-    *t = (render_technique){
-        .session = session,
-        .planned = planned,
-        .gpu = {.struct_size = sizeof(strata_gpu),
-                .self = t,
-                .buffer_create = technique_buffer,
-                .image_create = technique_image,
-                .pool_create = technique_pool,
-                .program_create = technique_program,
-                .fact = technique_fact,
-                .pool_capacity = technique_capacity,
-                .error = technique_error},
-        .host = {.struct_size = sizeof(strata_host),
-                 .abi_version = STRATA_ABI_VERSION,
-                 .self = t,
-                 .log = technique_log,
-                 .extension = technique_extension}};
-    strata_result r = modules_open_technique(session->owner->modules, planned->technique->id,
-                                             &t->technique, err);
+    *t = (render_technique){.session = session,
+                            .planned = planned,
+                            .gpu = {.struct_size = sizeof(strata_gpu),
+                                    .self = t,
+                                    .buffer_create = technique_buffer,
+                                    .image_create = technique_image,
+                                    .pool_create = technique_pool,
+                                    .program_create = technique_program,
+                                    .fact = technique_fact,
+                                    .pool_capacity = technique_capacity,
+                                    .error = technique_error},
+                            .host = {.struct_size = sizeof(strata_host),
+                                     .abi_version = STRATA_ABI_VERSION,
+                                     .self = t,
+                                     .log = technique_log,
+                                     .extension = technique_extension}};
+    strata_result r =
+        modules_open_technique(session->owner->modules, planned->technique->id, &t->technique, err);
     if (r != STRATA_OK)
         return r;
     t->state = base_calloc(1, t->technique->state_size ? t->technique->state_size : 1);

@@ -192,18 +192,9 @@ static void layers_box(const generate_builder *b, double aspect, double box[4]) 
     }
 }
 
-void generate_layers(generate_builder *b) {
-    uint32_t count = generate_knob(b, LAYERS_COUNT);
-    double aspect = b->knobs[LAYERS_WIDTH] / b->knobs[LAYERS_HEIGHT], box[4];
-    scene_material blend = unlit_blend(), solid = blend;
-    solid.alpha = SCENE_OPAQUE;
-    if (generate_knob(b, LAYERS_OPAQUE)) {
-        generate_mesh mesh = generate_mesh_begin(b, GENERATE_NORMALS | GENERATE_COLORS);
-        const double all[4] = {-2 * aspect, -2, 2 * aspect, 2};
-        layers_add(&mesh, all, -1, (const float[3]){0.2f, 0.2f, 0.25f}, 1);
-        uint32_t index = generate_material(b, "backdrop", &solid);
-        generate_instance_here(b, generate_mesh_end(&mesh, "backdrop", index));
-    }
+static void layers_mesh(generate_builder *b, uint32_t count, double aspect) {
+    double box[4];
+    scene_material blend = unlit_blend();
     uint32_t *rank = layers_order(b, count);
     b->failed |= !rank;
     layers_box(b, aspect, box);
@@ -218,6 +209,22 @@ void generate_layers(generate_builder *b) {
     free(rank);
     uint32_t material = generate_material(b, "layer", &blend);
     generate_instance_here(b, generate_mesh_end(&mesh, "layers", material));
+}
+
+void generate_layers(generate_builder *b) {
+    uint32_t count = generate_knob(b, LAYERS_COUNT);
+    double aspect = b->knobs[LAYERS_WIDTH] / b->knobs[LAYERS_HEIGHT];
+    scene_material solid = unlit_blend();
+    solid.alpha = SCENE_OPAQUE;
+    if (generate_knob(b, LAYERS_OPAQUE)) {
+        generate_mesh mesh = generate_mesh_begin(b, GENERATE_NORMALS | GENERATE_COLORS);
+        const double all[4] = {-2 * aspect, -2, 2 * aspect, 2};
+        layers_add(&mesh, all, -1, (const float[3]){0.2f, 0.2f, 0.25f}, 1);
+        uint32_t index = generate_material(b, "backdrop", &solid);
+        generate_instance_here(b, generate_mesh_end(&mesh, "backdrop", index));
+    }
+    if (count > 0)
+        layers_mesh(b, count, aspect);
     generate_camera_flat(b, aspect, 1, 1.0625);
 }
 

@@ -73,7 +73,7 @@ static const scene_generator_knob city[] = {
 };
 static const scene_generator_knob layers[] = {
     [LAYERS_SEED] = SEED,
-    [LAYERS_COUNT] = {"count", "rectangles, at as many depths", 32, 1, 1e6, 1, NULL},
+    [LAYERS_COUNT] = {"count", "rectangles, at as many depths", 32, 0, 1e6, 1, NULL},
     [LAYERS_WHERE] = {"where", "the whole image, or its middle pixel", LAYERS_ALL, 0, 1, 1,
                       layer_places},
     [LAYERS_WIDTH] = {"width", "of the image this is rendered to", 64, 1, 16384, 1, NULL},

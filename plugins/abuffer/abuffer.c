@@ -6,8 +6,8 @@
  *               records as fragments (S-buffer, Vasilakis and Fudos 2012)
  *   linked      heads -> store: one geometry pass, a list for each pixel (Yang et al. 2010)
  *
- * Fills fragments/1. Nothing is dropped: a pool that is too small is counted, grown by the host, and
- * the frame recorded again.
+ * Fills fragments/1. Nothing is dropped: a pool that is too small is counted, grown by the host,
+ * and the frame recorded again.
  */
 #include "abuffer_glsl.h"
 #include "strata/strata.h"
@@ -40,12 +40,13 @@ static strata_result program(const abuffer *a, uint32_t kind, const char *label,
                                   out);
 }
 
-static strata_result buffer(const abuffer *a, const char *label, uint64_t size, strata_buffer *out) {
-    return a->gpu->buffer_create(
-        a->gpu->self,
-        &(strata_buffer_desc){
-            .struct_size = sizeof(strata_buffer_desc), .label = label, .size = size},
-        out);
+static strata_result buffer(const abuffer *a, const char *label, uint64_t size,
+                            strata_buffer *out) {
+    return a->gpu->buffer_create(a->gpu->self,
+                                 &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
+                                                       .label = label,
+                                                       .size = size},
+                                 out);
 }
 
 static strata_result create(void *state, const strata_host *host, const strata_gpu *gpu) {
@@ -131,27 +132,29 @@ static strata_result prepare(void *state, const strata_view *view) {
 
 static void record_count(const abuffer *a, const strata_frame *frame) {
     const uint32_t groups = tiles(frame->band_width, frame->band_height);
-    const strata_bind count = {.struct_size = sizeof count, .name = "count_image", .image = a->count};
+    const strata_bind count = {
+        .struct_size = sizeof count, .name = "count_image", .image = a->count};
     const strata_bind sums = {.struct_size = sizeof sums, .name = "Sums", .buffer = a->sums};
-    const strata_bind largest = {.struct_size = sizeof largest, .name = "Largest", .buffer = a->largest};
+    const strata_bind largest = {
+        .struct_size = sizeof largest, .name = "Largest", .buffer = a->largest};
     const strata_bind ranges = {
         .struct_size = sizeof ranges, .name = "StrataRanges", .buffer = a->ranges};
     const strata_bind records = {.struct_size = sizeof records, .pool = a->records};
 
-    frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
-                                            .label = "count",
-                                            .program = a->count_program,
-                                            .draws = a->draws,
-                                            .color = &(strata_attachment){
-                                                .struct_size = sizeof(strata_attachment),
-                                                .image = a->count,
-                                                .load = STRATA_LOAD_CLEAR,
-                                                .blend = STRATA_BLEND_ADD},
-                                            .color_count = 1,
-                                            .depth = &(strata_attachment){
-                                                .struct_size = sizeof(strata_attachment),
-                                                .image = a->limit},
-                                            .depth_test = STRATA_TEST_GREATER_EQUAL});
+    frame->pass(
+        frame->self,
+        &(strata_pass){.struct_size = sizeof(strata_pass),
+                       .label = "count",
+                       .program = a->count_program,
+                       .draws = a->draws,
+                       .color = &(strata_attachment){.struct_size = sizeof(strata_attachment),
+                                                     .image = a->count,
+                                                     .load = STRATA_LOAD_CLEAR,
+                                                     .blend = STRATA_BLEND_ADD},
+                       .color_count = 1,
+                       .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment),
+                                                     .image = a->limit},
+                       .depth_test = STRATA_TEST_GREATER_EQUAL});
     frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
                                             .label = "sums",
                                             .program = a->sums_program,
@@ -197,16 +200,17 @@ static void record(void *state, const strata_frame *frame) {
     const strata_bind binds[] = {
         {.struct_size = sizeof(strata_bind), .name = "StrataRanges", .buffer = a->ranges},
         {.struct_size = sizeof(strata_bind), .pool = a->records}};
-    frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
-                                            .label = "store",
-                                            .program = a->store_program,
-                                            .draws = a->draws,
-                                            .binds = binds,
-                                            .bind_count = 2,
-                                            .depth = &(strata_attachment){
-                                                .struct_size = sizeof(strata_attachment),
-                                                .image = a->limit},
-                                            .depth_test = STRATA_TEST_GREATER_EQUAL});
+    frame->pass(
+        frame->self,
+        &(strata_pass){.struct_size = sizeof(strata_pass),
+                       .label = "store",
+                       .program = a->store_program,
+                       .draws = a->draws,
+                       .binds = binds,
+                       .bind_count = 2,
+                       .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment),
+                                                     .image = a->limit},
+                       .depth_test = STRATA_TEST_GREATER_EQUAL});
 }
 
 static strata_result verify(void *state, const strata_frame *frame) {
@@ -232,11 +236,13 @@ static void destroy(void *state) {
     memset(state, 0, sizeof(abuffer));
 }
 
-/* ---- what the plan reads ------------------------------------------------------------------------ */
+/* ---- what the plan reads ------------------------------------------------------------------------
+ */
 
 static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
                               strata_cost *cost) {
-    static const uint64_t payload_bytes[] = {16, 8, 4}; /* STRATA_PAYLOAD_*, of plain transparency */
+    static const uint64_t payload_bytes[] = {16, 8,
+                                             4}; /* STRATA_PAYLOAD_*, of plain transparency */
     (void)stats;
     const int linked = settings->values[0] > 0;
     cost->bytes_per_pixel = linked ? 8 : 12;
@@ -250,11 +256,11 @@ static const strata_slot_use draws_use = {.struct_size = sizeof(strata_slot_use)
                                           .slot = "draws.transparent/1"};
 static const strata_slot_use limit_use = {
     .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_CONSUMES, .slot = "limit/1"};
-static const strata_slot_use fragments_use = {
-    .struct_size = sizeof(strata_slot_use),
-    .use = STRATA_SLOT_PRODUCES,
-    .slot = "fragments/1",
-    .layouts = 1u << STRATA_FRAGMENTS_CONTIGUOUS | 1u << STRATA_FRAGMENTS_LINKED};
+static const strata_slot_use fragments_use = {.struct_size = sizeof(strata_slot_use),
+                                              .use = STRATA_SLOT_PRODUCES,
+                                              .slot = "fragments/1",
+                                              .layouts = 1u << STRATA_FRAGMENTS_CONTIGUOUS |
+                                                         1u << STRATA_FRAGMENTS_LINKED};
 static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &fragments_use};
 
 static const char *const mode_choices[] = {"contiguous", "linked", NULL};

@@ -5,7 +5,8 @@
  *   histogram -> dispatch -> lists       pixels in classes of 1, 2-8, -16, -32, -64, more fragments
  *   resolve, once for each class         one invocation a pixel, a sorting network in registers
  *   ties -> tied                         pixels with equal keys, by (key, order)
- *   owners -> blocks -> merge.. -> walk  pixels with more than 64: sorted blocks, merged along paths
+ *   owners -> blocks -> merge.. -> walk  pixels with more than 64: sorted blocks, merged along
+ * paths
  *
  * Which classes a scene has is learned in verify(): a program for a class that never occurs is not
  * even compiled.
@@ -43,8 +44,8 @@ typedef struct ppc {
     strata_program histogram_program, dispatch_program, lists_program, resolve_program[CLASS_DEEP],
         ties_program, tied_program, owners_program, gather_program, blocks_program, merge_program,
         walk_program;
-    uint32_t seen;         /* bit for each class that some frame had */
-    uint32_t tied_seen;    /* 1: some frame had equal keys */
+    uint32_t seen;          /* bit for each class that some frame had */
+    uint32_t tied_seen;     /* 1: some frame had equal keys */
     uint32_t rounds, walks; /* of merging and folding deep pixels that are recorded */
 } ppc;
 
@@ -56,7 +57,8 @@ static strata_result create(void *state, const strata_host *host, const strata_g
     return STRATA_OK;
 }
 
-/* ---- prepare ------------------------------------------------------------------------------------ */
+/* ---- prepare ------------------------------------------------------------------------------------
+ */
 
 typedef struct source {
     strata_program *out;
@@ -95,10 +97,14 @@ static strata_result prepare_programs(ppc *p) {
         {&p->dispatch_program, "dispatch", &dispatch_comp_glsl, NULL, 0, 0},
         {&p->lists_program, "lists", &lists_comp_glsl, NULL, 0, 0},
         {&p->resolve_program[0], "resolve 1", &resolve_comp_glsl, one, 2, STRATA_PROGRAM_LAZY},
-        {&p->resolve_program[1], "resolve 8", &resolve_comp_glsl, networks[0], 4, STRATA_PROGRAM_LAZY},
-        {&p->resolve_program[2], "resolve 16", &resolve_comp_glsl, networks[1], 4, STRATA_PROGRAM_LAZY},
-        {&p->resolve_program[3], "resolve 32", &resolve_comp_glsl, networks[2], 4, STRATA_PROGRAM_LAZY},
-        {&p->resolve_program[4], "resolve 64", &resolve_comp_glsl, networks[3], 4, STRATA_PROGRAM_LAZY},
+        {&p->resolve_program[1], "resolve 8", &resolve_comp_glsl, networks[0], 4,
+         STRATA_PROGRAM_LAZY},
+        {&p->resolve_program[2], "resolve 16", &resolve_comp_glsl, networks[1], 4,
+         STRATA_PROGRAM_LAZY},
+        {&p->resolve_program[3], "resolve 32", &resolve_comp_glsl, networks[2], 4,
+         STRATA_PROGRAM_LAZY},
+        {&p->resolve_program[4], "resolve 64", &resolve_comp_glsl, networks[3], 4,
+         STRATA_PROGRAM_LAZY},
         {&p->ties_program, "ties", &ties_comp_glsl, NULL, 0, STRATA_PROGRAM_LAZY},
         {&p->tied_program, "tied", &tied_comp_glsl, NULL, 0, STRATA_PROGRAM_LAZY},
         {&p->owners_program, "owners", &owners_comp_glsl, NULL, 0, STRATA_PROGRAM_LAZY},
@@ -122,20 +128,42 @@ static strata_result prepare_pools(ppc *p) {
         strata_pool *out;
         strata_pool_desc desc;
     } pools[] = {
-        {&p->tied, {.label = "tied pixels", .counter_name = "TiedPool", .plane_count = 1,
-                    .plane_names = {"TiedPixels"}, .plane_strides = {4}}},
-        {&p->deep, {.label = "deep pixels", .counter_name = "DeepPool",
-                    .plane_count = linked ? 2 : 1, .plane_names = {"DeepBase", "DeepCursor"},
-                    .plane_strides = {4, 4}}},
-        {&p->block, {.label = "blocks", .counter_name = "BlockPool", .plane_count = 1,
-                     .plane_names = {"BlockOwner"}, .plane_strides = {4}}},
-        {&p->slot, {.label = "slots", .counter_name = "SlotPool", .plane_count = 2,
-                    .plane_names = {"Slots0", "Slots1"}, .plane_strides = {4, 4}}},
-        {&p->walk, {.label = "walks", .counter_name = "WalkPool", .plane_count = 4,
-                    .plane_names = {"WalkState0", "WalkState1", "WalkState2", "WalkState3"},
-                    .plane_strides = {8, 8, 8, 8}}},
-        {&p->index, {.label = "deep index", .counter_name = "IndexPool", .plane_count = 1,
-                     .plane_names = {"DeepIndex"}, .plane_strides = {4}}},
+        {&p->tied,
+         {.label = "tied pixels",
+          .counter_name = "TiedPool",
+          .plane_count = 1,
+          .plane_names = {"TiedPixels"},
+          .plane_strides = {4}}},
+        {&p->deep,
+         {.label = "deep pixels",
+          .counter_name = "DeepPool",
+          .plane_count = linked ? 2 : 1,
+          .plane_names = {"DeepBase", "DeepCursor"},
+          .plane_strides = {4, 4}}},
+        {&p->block,
+         {.label = "blocks",
+          .counter_name = "BlockPool",
+          .plane_count = 1,
+          .plane_names = {"BlockOwner"},
+          .plane_strides = {4}}},
+        {&p->slot,
+         {.label = "slots",
+          .counter_name = "SlotPool",
+          .plane_count = 2,
+          .plane_names = {"Slots0", "Slots1"},
+          .plane_strides = {4, 4}}},
+        {&p->walk,
+         {.label = "walks",
+          .counter_name = "WalkPool",
+          .plane_count = 4,
+          .plane_names = {"WalkState0", "WalkState1", "WalkState2", "WalkState3"},
+          .plane_strides = {8, 8, 8, 8}}},
+        {&p->index,
+         {.label = "deep index",
+          .counter_name = "IndexPool",
+          .plane_count = 1,
+          .plane_names = {"DeepIndex"},
+          .plane_strides = {4}}},
     };
     strata_result r = STRATA_OK;
     for (size_t i = 0; i < (linked ? 6u : 5u) && r == STRATA_OK; ++i) {
@@ -153,11 +181,11 @@ static strata_result prepare(void *state, const strata_view *view) {
     p->color = view->image(view->self, "color/1");
     if (!p->fragments)
         return STRATA_ERROR_INVALID_STATE;
-    strata_result r = p->gpu->buffer_create(p->gpu->self,
-                                            &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
-                                                                  .label = "classes",
-                                                                  .size = sizeof(table)},
-                                            &p->classes);
+    strata_result r = p->gpu->buffer_create(
+        p->gpu->self,
+        &(strata_buffer_desc){
+            .struct_size = sizeof(strata_buffer_desc), .label = "classes", .size = sizeof(table)},
+        &p->classes);
     if (r == STRATA_OK)
         r = p->gpu->buffer_create(p->gpu->self,
                                   &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
@@ -171,7 +199,8 @@ static strata_result prepare(void *state, const strata_view *view) {
     return r;
 }
 
-/* ---- record ------------------------------------------------------------------------------------- */
+/* ---- record -------------------------------------------------------------------------------------
+ */
 
 enum { BIND_MAX = 12 };
 
@@ -267,9 +296,9 @@ static void record_classes(const ppc *p, const strata_frame *frame) {
     add_buffer(&b, "Lists", p->lists);
     for (uint32_t c = 0; c < CLASS_DEEP; ++c)
         if (p->seen >> c & 1u)
-            dispatch_indirect(p, frame, labels[c], p->resolve_program[c], &b,
-                              offsetof(table, classes[0].groups) + c * sizeof(((table *)0)->classes[0]),
-                              NULL);
+            dispatch_indirect(
+                p, frame, labels[c], p->resolve_program[c], &b,
+                offsetof(table, classes[0].groups) + c * sizeof(((table *)0)->classes[0]), NULL);
     if (!p->tied_seen)
         return;
     binds t = {.count = 0};
@@ -323,7 +352,8 @@ static void record(void *state, const strata_frame *frame) {
         record_deep(p, frame);
 }
 
-/* ---- verify: what the next attempt has to record -------------------------------------------------- */
+/* ---- verify: what the next attempt has to record
+ * -------------------------------------------------- */
 
 static strata_result verify(void *state, const strata_frame *frame) {
     ppc *p = state;
@@ -342,8 +372,8 @@ static strata_result verify(void *state, const strata_frame *frame) {
         walks = t.largest / WALK_CHUNK + (t.largest % WALK_CHUNK != 0);
     }
     const uint32_t tied = p->tied_seen || frame->needed(frame->self, p->tied) > 0;
-    const int enough = seen == p->seen && tied == p->tied_seen && rounds <= p->rounds &&
-                       walks <= p->walks;
+    const int enough =
+        seen == p->seen && tied == p->tied_seen && rounds <= p->rounds && walks <= p->walks;
     p->seen = seen;
     p->tied_seen = tied;
     p->rounds = rounds > p->rounds ? rounds : p->rounds;
@@ -356,7 +386,8 @@ static void destroy(void *state) {
     memset(state, 0, sizeof(ppc));
 }
 
-/* ---- what the plan reads -------------------------------------------------------------------------- */
+/* ---- what the plan reads
+ * -------------------------------------------------------------------------- */
 
 static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
                               strata_cost *cost) {
@@ -367,11 +398,11 @@ static strata_result estimate(const strata_scene_stats *stats, const strata_sett
     return STRATA_OK;
 }
 
-static const strata_slot_use fragments_use = {
-    .struct_size = sizeof(strata_slot_use),
-    .use = STRATA_SLOT_CONSUMES,
-    .slot = "fragments/1",
-    .layouts = 1u << STRATA_FRAGMENTS_CONTIGUOUS | 1u << STRATA_FRAGMENTS_LINKED};
+static const strata_slot_use fragments_use = {.struct_size = sizeof(strata_slot_use),
+                                              .use = STRATA_SLOT_CONSUMES,
+                                              .slot = "fragments/1",
+                                              .layouts = 1u << STRATA_FRAGMENTS_CONTIGUOUS |
+                                                         1u << STRATA_FRAGMENTS_LINKED};
 static const strata_slot_use color_use = {
     .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_UPDATES, .slot = "color/1"};
 static const strata_slot_use *const slots[] = {&fragments_use, &color_use};
@@ -380,7 +411,8 @@ static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),
     .order = STRATA_ORDER_EXACT,
     .determinism = STRATA_DETERMINISM_BIT,
-    .memory = "4 pixels + 8.125 fragments of pixels deeper than 64 (+ 32 pixels deeper than 32,768)"};
+    .memory =
+        "4 pixels + 8.125 fragments of pixels deeper than 64 (+ 32 pixels deeper than 32,768)"};
 
 static const strata_cost_model cost = {.struct_size = sizeof(strata_cost_model),
                                        .frame = 10000,

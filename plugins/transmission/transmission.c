@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Effect module `transmission`: thin coloured glass. Six channels a fragment (what it sends, what it
- * lets through), three transmittances. Called for by materials with KHR_materials_transmission.
+ * Effect module `transmission`: thin coloured glass. Six channels a fragment (what it sends, what
+ * it lets through), three transmittances. Called for by materials with KHR_materials_transmission.
  */
 #include "strata/strata.h"
 #include "transmission_glsl.h"

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Renders for the tests of techniques. Instances are kept, so that devices are opened once.
+ */
+#include "techniques/picture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static struct {
+    const char *backend;
+    strata *instance;
+} kept[3];
+
+strata *picture_instance(const char *backend) {
+    size_t at = 0;
+    while (at < 2 && kept[at].backend && strcmp(kept[at].backend, backend) != 0)
+        ++at;
+    if (kept[at].backend)
+        return kept[at].instance;
+    const strata_open_options options = {
+        .struct_size = sizeof options, .backend = backend, .check = 1};
+    strata_scene *scene = NULL;
+    kept[at].backend = backend;
+    if (strata_open(&options, &kept[at].instance) != STRATA_OK)
+        return NULL;
+    /* The device is opened by the first render. */
+    const strata_render_options tiny = {.struct_size = sizeof tiny, .width = 4, .height = 4};
+    const char *const none[] = {"count=0"};
+    strata_result r = strata_scene_generate(kept[at].instance, "layers", none, 1, &scene);
+    if (r == STRATA_OK)
+        r = strata_render(kept[at].instance, scene, &tiny);
+    if (r != STRATA_OK) {
+        print_message("%s cannot be opened: %s\n", backend, strata_error(kept[at].instance));
+        strata_close(kept[at].instance);
+        kept[at].instance = NULL;
+        return NULL;
+    }
+    strata_scene_close(scene);
+    return kept[at].instance;
+}
+
+void picture_close(void) {
+    for (size_t i = 0; i < 3; ++i)
+        strata_close(kept[i].instance);
+    memset(kept, 0, sizeof kept);
+}
+
+picture picture_render(strata_scene *scene, strata *instance, const way *w, uint32_t width,
+                       uint32_t height) {
+    picture p = {.width = width, .height = height};
+    const size_t size = (size_t)width * height * 4 * sizeof(float);
+    const strata_render_options options = {.struct_size = sizeof options,
+                                           .width = width,
+                                           .height = height,
+                                           .use = w->use,
+                                           .effects = w->effects,
+                                           .settings = &w->setting,
+                                           .setting_count = w->setting ? 1 : 0,
+                                           .camera = w->camera,
+                                           .bands = w->bands,
+                                           .shuffle = w->shuffle};
+    if (strata_render(instance, scene, &options) != STRATA_OK)
+        fail_msg("%s %s: %s", w->backend ? w->backend : "", w->setting ? w->setting : "",
+                 strata_error(instance));
+    p.pixels = malloc(size);
+    assert_non_null(p.pixels);
+    assert_int_equal(strata_read(instance, STRATA_OUTPUT_COLOR, p.pixels, size), STRATA_OK);
+    return p;
+}
+
+void picture_free(picture *p) {
+    free(p->pixels);
+    p->pixels = NULL;
+}
+
+void picture_same(const picture *a, const picture *b, const char *what) {
+    assert_int_equal(a->width, b->width);
+    assert_int_equal(a->height, b->height);
+    const size_t count = (size_t)a->width * a->height;
+    size_t differing = 0, first = 0;
+    for (size_t i = count; i-- > 0;)
+        if (memcmp(a->pixels + 4 * i, b->pixels + 4 * i, 4 * sizeof(float)) != 0) {
+            ++differing;
+            first = i;
+        }
+    if (differing > 0) {
+        const float *p = a->pixels + 4 * first, *q = b->pixels + 4 * first;
+        fail_msg("%s: %zu of %zu pixels differ, first (%zu, %zu): %a %a %a %a and %a %a %a %a",
+                 what, differing, count, first % a->width, first / a->width, (double)p[0],
+                 (double)p[1], (double)p[2], (double)p[3], (double)q[0], (double)q[1], (double)q[2],
+                 (double)q[3]);
+    }
+}
+
+uint64_t picture_hash(const picture *p) {
+    const unsigned char *bytes = (const unsigned char *)p->pixels;
+    uint64_t hash = UINT64_C(14695981039346656037);
+    for (size_t i = 0; i < (size_t)p->width * p->height * 4 * sizeof(float); ++i)
+        hash = (hash ^ bytes[i]) * UINT64_C(1099511628211);
+    return hash;
+}

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What the tests of techniques share: a scene rendered through the public interface, its pixels, and
+ * comparisons bit for bit.
+ */
+#ifndef STRATA_TESTS_PICTURE_H
+#define STRATA_TESTS_PICTURE_H
+
+#include "strata/host.h"
+
+typedef struct picture {
+    uint32_t width, height;
+    float *pixels; /* [height][width][4], first row on top */
+} picture;
+
+/* One way to render. Zero is the plan's own choice on Vulkan. */
+typedef struct way {
+    const char *backend, *use, *effects, *setting, *camera;
+    uint32_t bands, shuffle;
+} way;
+
+/* An instance of this backend, kept for the whole program; NULL when the backend cannot be opened here
+ * (the caller skips and says so). */
+strata *picture_instance(const char *backend);
+void picture_close(void); /* all instances */
+
+/* Renders; a failure fails the test with the instance's line. Free with picture_free. */
+picture picture_render(strata_scene *scene, strata *instance, const way *w, uint32_t width,
+                       uint32_t height);
+void picture_free(picture *p);
+
+/* Fails unless every bit is equal, naming the first pixel that differs. */
+void picture_same(const picture *a, const picture *b, const char *what);
+uint64_t picture_hash(const picture *p);
+
+#endif

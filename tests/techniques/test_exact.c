@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Exact means bit-identical: layouts, backends, bands, orders of submission, runs and thread counts
+ * give one image for each scene; and that image is the fold of the deep image's samples, term by
+ * term.
+ */
+#define _GNU_SOURCE
+
+#include "techniques/picture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "render/render.h"
+
+static const char *const backends[] = {"vulkan", "gl"};
+
+typedef struct test_scene {
+    const char *path;
+    uint32_t width, height;
+} test_scene;
+
+static const test_scene scenes[] = {
+    {"scene:soup?small=3000&medium=150", 96, 96},
+    {"scene:glass", 80, 60},
+    {"scene:shells", 64, 64},
+    {"scene:particles?count=2000", 64, 64},
+    {"scene:stack?count=2", 48, 48},
+    {"scene:stack?count=100", 48, 48},
+    {"scene:city?count=300", 80, 60},
+    {"scene:hairball?strands=60", 64, 64},
+    {"scene:needles", 64, 64},
+    {"scene:layers?count=0", 16, 16},
+    {"scene:layers?count=1", 16, 16},
+    {"scene:layers?count=33", 17, 13},
+    {"scene:layers?count=65", 17, 13},
+    {"scene:layers?count=1500&where=pixel&width=16&height=16", 16, 16},
+};
+
+static strata_scene *load(strata *instance, const char *path) {
+    strata_scene *sc = NULL;
+    if (strata_scene_load(instance, path, &sc) != STRATA_OK)
+        fail_msg("%s: %s", path, strata_error(instance));
+    return sc;
+}
+
+/* Every way to render that promises the same bits as the first. */
+static void all_ways(const test_scene *s) {
+    static const way ways[] = {
+        {.bands = 0},
+        {.bands = 7},
+        {.shuffle = 5},
+        {.setting = "abuffer.mode=linked"},
+        {.setting = "abuffer.mode=linked", .bands = 7, .shuffle = 9},
+        {.setting = "surface.ties=exact", .shuffle = 5},
+    };
+    picture reference = {0};
+    for (size_t b = 0; b < 2; ++b) {
+        strata *instance = picture_instance(backends[b]);
+        if (!instance)
+            continue;
+        strata_scene *sc = load(instance, s->path);
+        for (size_t i = 0; i < sizeof ways / sizeof ways[0]; ++i) {
+            char what[256];
+            way w = ways[i];
+            w.backend = backends[b];
+            snprintf(what, sizeof what, "%s on %s, %s, %u bands, shuffle %u", s->path, backends[b],
+                     w.setting ? w.setting : "contiguous", w.bands, w.shuffle);
+            picture p = picture_render(sc, instance, &w, s->width, s->height);
+            if (!reference.pixels) {
+                reference = p;
+                continue;
+            }
+            picture_same(&reference, &p, what);
+            picture_free(&p);
+        }
+        strata_scene_close(sc);
+    }
+    if (!reference.pixels)
+        skip();
+    picture_free(&reference);
+}
+
+static void every_way_gives_the_same_bits(void **state) {
+    (void)state;
+    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i)
+        all_ways(&scenes[i]);
+}
+
+/* ---- the fold, term by term
+ * ---------------------------------------------------------------------- */
+
+static void fold_samples(const image_deep *deep, size_t pixel, const float background[4],
+                         float out[4]) {
+    float color[4] = {0, 0, 0, 0}, through[4] = {1, 1, 1, 1};
+    for (uint32_t i = 0; i < deep->count[pixel]; ++i) {
+        const size_t at = deep->offset[pixel] + i;
+        for (int c = 0; c < 4; ++c)
+            color[c] = color[c] + through[c] * deep->color[4 * at + (size_t)c];
+        for (int c = 0; c < 4; ++c)
+            through[c] = through[c] * (1.0f - deep->color[4 * at + 3]);
+    }
+    for (int c = 0; c < 4; ++c)
+        out[c] = color[c] + through[c] * background[c];
+}
+
+/* Deep samples are sorted on the CPU; folding them with the technique's own operations must give
+ * its bits. Plain transparency without an opaque surface, whose samples carry no coverage of their
+ * own. */
+static void check_fold(const char *backend, const char *path, const char *setting, uint32_t width,
+                       uint32_t height, uint64_t fragments) {
+    strata *instance = picture_instance(backend);
+    if (!instance)
+        return;
+    strata_scene *sc = load(instance, path);
+    const float background[4] = {0.2f, 0.2f, 0.2f, 1};
+    const strata_render_options options = {.struct_size = sizeof options,
+                                           .width = width,
+                                           .height = height,
+                                           .outputs = STRATA_OUTPUT_DEEP,
+                                           .settings = &setting,
+                                           .setting_count = 1};
+    if (strata_render(instance, sc, &options) != STRATA_OK)
+        fail_msg("%s: %s", path, strata_error(instance));
+    const render_result *result = &instance->result;
+    assert_int_equal(result->deep.sample_count, fragments);
+    for (size_t i = 0; i < (size_t)width * height; ++i) {
+        float expected[4];
+        fold_samples(&result->deep, i, background, expected);
+        if (memcmp(expected, result->color.pixels + 4 * i, sizeof expected) != 0)
+            fail_msg("%s on %s, %s: pixel %zu of %u samples is not their fold", path, backend,
+                     setting, i, result->deep.count[i]);
+    }
+    strata_scene_close(sc);
+}
+
+static void long_pixels_fold_in_order(void **state) {
+    (void)state;
+    for (size_t b = 0; b < 2; ++b) {
+        check_fold(backends[b], "scene:layers?count=64&width=16&height=16",
+                   "abuffer.mode=contiguous", 16, 16, 64 * 256);
+        check_fold(backends[b], "scene:layers?count=20000&where=pixel&width=16&height=16",
+                   "abuffer.mode=contiguous", 16, 16, 20000);
+        check_fold(backends[b], "scene:layers?count=20000&where=pixel&width=16&height=16",
+                   "abuffer.mode=linked", 16, 16, 20000);
+        check_fold(backends[b], "scene:layers?count=100000&where=pixel&width=16&height=16",
+                   "abuffer.mode=contiguous", 16, 16, 100000);
+        check_fold(backends[b], "scene:layers?count=100000&where=pixel&width=16&height=16",
+                   "abuffer.mode=linked", 16, 16, 100000);
+    }
+}
+
+/* ---- processes and threads
+ * ------------------------------------------------------------------------- */
+
+/* Hash of the soup on a backend, rendered by a child of this program under LP_NUM_THREADS. */
+static uint64_t hash_in_child(const char *self, const char *backend, const char *threads) {
+    int ends[2];
+    uint64_t hash = 0;
+    assert_int_equal(pipe(ends), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        dup2(ends[1], 1);
+        setenv("LP_NUM_THREADS", threads, 1);
+        execl(self, self, "--hash", backend, (char *)NULL);
+        _exit(127);
+    }
+    close(ends[1]);
+    FILE *from = fdopen(ends[0], "r");
+    const int found = fscanf(from, "%lx", &hash);
+    int status = 0;
+    fclose(from);
+    waitpid(child, &status, 0);
+    assert_int_equal(status, 0);
+    assert_int_equal(found, 1);
+    return hash;
+}
+
+static void threads_do_not_matter(void **state) {
+    static const char *const threads[] = {"2", "0", "1", "8"};
+    for (size_t b = 0; b < 2; ++b) {
+        if (!picture_instance(backends[b]))
+            continue;
+        const uint64_t first = hash_in_child(*state, backends[b], threads[0]);
+        for (size_t i = 1; i < 4; ++i)
+            assert_int_equal(hash_in_child(*state, backends[b], threads[i]), first);
+    }
+}
+
+static int print_hash(const char *backend) {
+    strata *instance = picture_instance(backend);
+    if (!instance)
+        return 1;
+    strata_scene *sc = load(instance, scenes[0].path);
+    picture p = picture_render(sc, instance, &(way){.backend = backend}, 96, 96);
+    printf("%lx\n", picture_hash(&p));
+    picture_free(&p);
+    picture_close();
+    return 0;
+}
+
+int main(int argc, char **argv) {
+    if (argc == 3 && strcmp(argv[1], "--hash") == 0)
+        return print_hash(argv[2]);
+    static char self[4096];
+    const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+    self[length > 0 ? length : 0] = '\0';
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_way_gives_the_same_bits),
+        cmocka_unit_test(long_pixels_fold_in_order),
+        cmocka_unit_test_prestate(threads_do_not_matter, self),
+    };
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    picture_close();
+    return failed;
+}
