@@ -86,8 +86,8 @@ strata_result plan_payload_make(const modules_effect_note *const *effects, uint3
             return result;
     }
     place(out, 32, &bit);
-    place(out, 16, &bit);
-    place(out, 8, &bit);
+    if (channel_bits(precision, 0) < 32)
+        place(out, channel_bits(precision, 0), &bit);
     out->words = (bit + 31) / 32;
     out->plane_count = (out->words + 1) / 2;
     if (out->plane_count > PLAN_MAX_PLANES)

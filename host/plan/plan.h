@@ -92,7 +92,7 @@ typedef struct plan_field {
 
 /* A record's payload: the union of the active effects' fields, plus "id" when there are several.
  * Fields stand in the order of the active effects and of their declarations; words are filled with
- * 32-bit channels first, then 16, then 8, so that none straddles a word. */
+ * 32-bit channels first, then with the narrower ones, so that none straddles a word. */
 typedef struct plan_payload {
     uint32_t precision; /* STRATA_PAYLOAD_* */
     uint32_t field_count;

@@ -172,6 +172,17 @@ static const modules_technique_note techniques[] = {
      SLOTS(TRANSPARENT, SLOT(CONSUMES, "foo/1", 0, 0), SLOT(UPDATES, "color/1", 0, 0)),
      PROMISE(EXACT, BIT, 0),
      COST(0.1)},
+    {.id = "wisher", /* would like foo/1, and does without */
+     .stage = "draws",
+     SLOTS(SLOT(CONSUMES, "foo/1", 0, 1), SLOT(UPDATES, "draws.opaque/1", 0, 0))},
+    {.id = "tinted", /* waits for a late stage */
+     .stage = "surface",
+     SLOTS(SLOT(CONSUMES, "draws.opaque/1", 0, 0), SLOT(CONSUMES, "tint/1", 0, 0),
+           SLOT(UPDATES, "color/1", 0, 0)),
+     COST(0)},
+    {.id = "tinter",
+     .stage = "certificate",
+     SLOTS(SLOT(PRODUCES, "tint/1", 0, 0), SLOT(UPDATES, "bound/1", 0, 0))},
     {.id = "egg",
      .stage = "draws",
      SLOTS(SLOT(CONSUMES, "hen/1", 0, 0), SLOT(PRODUCES, "egg/1", 0, 0),
@@ -212,6 +223,10 @@ static const modules_effect_note effects[] = {
      .transmittance_channels = 1,
      PAYLOAD(FIELD("color", 3, 0)),
      NEED("materials.unlit", 1)},
+    {.id = "precise",
+     .transmittance_channels = 1,
+     PAYLOAD(FIELD("color", 4, 1)),
+     NEED("materials.unlit", 0)},
     {.id = "greedy",
      .transmittance_channels = 1,
      PAYLOAD(FIELD("a", 4, 1), FIELD("b", 4, 1), FIELD("c", 4, 1), FIELD("d", 1, 0)),
@@ -282,12 +297,17 @@ void kit_scene(const char *letters, demand *d, strata_scene_stats *stats) {
         {'b', "materials.blend", "3 materials with alphaMode BLEND, 2,060 triangles", 3},
         {'t', "materials.transmission", "1 material with glass", 1},
         {'e', "materials.emissive", "2 materials with emission", 2},
+        {'f', "materials.emissive", "1 material with emission", 1},
         {'u', "materials.unlit", "1 material with unlit", 1},
     };
     *d = (demand){0};
     *stats = (strata_scene_stats){.struct_size = sizeof *stats, .width = 100, .height = 100};
     for (size_t i = 0; i < BASE_COUNT(facts); i++) {
         int there = strchr(letters, facts[i].letter) != NULL;
+        if (!there && strchr("ef", facts[i].letter) && strpbrk(letters, "ef"))
+            continue; /* the other of the two says it */
+        if (!there && facts[i].letter == 'f')
+            continue;
         demand_fact *f = &d->facts[d->count++];
         f->id = facts[i].fact;
         f->value = there ? facts[i].value : 0;
@@ -298,7 +318,7 @@ void kit_scene(const char *letters, demand *d, strata_scene_stats *stats) {
         stats->opaque_draws = 2;
         stats->opaque_triangles = 20;
     }
-    if (strpbrk(letters, "bteu")) {
+    if (strpbrk(letters, "btefu")) {
         stats->transparent_draws = 4;
         stats->transparent_triangles = 40;
         stats->transparent_fragments = 1000;

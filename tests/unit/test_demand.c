@@ -470,6 +470,21 @@ static void large_scenes_are_sampled(void **state) {
     stage_close(&t);
 }
 
+/* Every other triangle is nothing: an even stride would see all or none. */
+static void samples_fall_out_of_step(void **state) {
+    (void)state;
+    estimate_view view = flat_view(64, 64);
+    stage t;
+    stage_open(&t);
+    add_material(&t, SCENE_BLEND);
+    scene_mesh *mesh = add_mesh(&t, SCENE_TRIANGLES, 0, 700000 * 3);
+    for (uint32_t i = 0; i < 700000; i += 2)
+        set_triangle(mesh, i, (float[]){0, 0, 0.5f, 0.01f, 0, 0.5f, 0, 0.01f, 0.5f});
+    add_instance(&t, 0);
+    assert_near(estimate(&t, &view).transparent_fragments, 350000 * 0.0512, 0.01);
+    stage_close(&t);
+}
+
 static void nothing_and_no_image(void **state) {
     (void)state;
     stage t;
@@ -499,6 +514,7 @@ int main(void) {
         cmocka_unit_test(splats_are_discs),
         cmocka_unit_test(soup_agrees_with_counting),
         cmocka_unit_test(large_scenes_are_sampled),
+        cmocka_unit_test(samples_fall_out_of_step),
         cmocka_unit_test(nothing_and_no_image),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -66,6 +66,7 @@ static void bad_wishes_fail_with_what_there_is(void **state) {
         {{FOR("surface abuffer ppc over", "o"), .use = "xyzzy"},
          BAD,
          "--use: there is no technique 'xyzzy'; installed: surface, abuffer, ppc"},
+        {{FOR(ALL, "o"), .use = "epex"}, BAD, "(did you mean 'peel'?)"},
         {{FOR("surface over", "o"), .use = "over"}, BAD, "'over' is an effect, not a technique"},
         {{FOR(ALL, "o"), .use = ""}, BAD, "--use '': an id is missing"},
         {{FOR(ALL, "o"), .use = "ppc,,fpc"}, BAD, "an id is missing"},

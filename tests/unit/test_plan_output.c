@@ -58,6 +58,39 @@ static void settings_are_resolved(void **state) {
     }
 }
 
+static uint64_t small_range(void *user, const char *id) {
+    return strcmp(id, "limit.storage_range") == 0 ? *(const uint64_t *)user : 1;
+}
+
+static void bands_are_expected(void **state) {
+    (void)state;
+    static const struct {
+        uint64_t memory, range; /* for 1,000 records of 24 bytes, 8 of them keys */
+        uint32_t bands;
+    } rows[] = {{0, 0, 1},    {24000, 0, 1},   {23999, 0, 2}, {8000, 0, 3},      {0, 8000, 1},
+                {0, 7999, 2}, {8000, 1000, 8}, {1, 1, 24000}, {1000000, 80, 100}};
+    for (size_t i = 0; i < BASE_COUNT(rows); i++) {
+        kit k;
+        demand d;
+        strata_scene_stats stats;
+        plan *p = NULL;
+        base_error err = {0};
+        uint64_t range = rows[i].range;
+        kit_make(&k, "abuffer ppc over");
+        kit_scene("b", &d, &stats);
+        plan_input in = {.demand = &d,
+                         .modules = (const modules_note *const *)k.list,
+                         .module_count = k.count,
+                         .stats = &stats,
+                         .fact = small_range,
+                         .user = &range,
+                         .memory = rows[i].memory};
+        assert_int_equal(plan_make(&in, &p, &err), STRATA_OK);
+        assert_int_equal(p->expected_bands, rows[i].bands);
+        plan_free(p);
+    }
+}
+
 static void opaque_scenes_plan_no_fragments(void **state) {
     (void)state;
     kit k;
@@ -65,9 +98,25 @@ static void opaque_scenes_plan_no_fragments(void **state) {
     plan *p = get(&(request){FOR(ALL, "o")}, &k, &d);
     assert_int_equal(p->transparent, 0);
     assert_int_equal(p->captures, 0);
+    assert_int_equal(p->expected_bands, 0);
     assert_int_equal(p->bytes_per_fragment, 0);
     assert_int_equal(p->payload.plane_count, 0);
     assert_int_equal(p->transmittance_channels, 0);
+    plan_free(p);
+}
+
+static void streams_capture_nothing(void **state) {
+    (void)state;
+    kit k;
+    demand d;
+    plan *p = get(&(request){FOR(ALL, "b"), .use = "peel,occupancy"}, &k, &d);
+    assert_int_equal(p->transparent, 1);
+    assert_int_equal(p->captures, 0);
+    assert_int_equal(p->bytes_per_fragment, 0);
+    assert_int_equal(p->payload.plane_count, 2); /* it may keep records of its own */
+    assert_true(plan_find(p, "peel")->cost == 5000.0);
+    assert_true(plan_find(p, "occupancy")->cost == 1000.0);
+    assert_true(plan_floors(p, 1500.0) == 1.5);
     plan_free(p);
 }
 
@@ -85,6 +134,7 @@ static void effects_are_decided(void **state) {
         {{FOR(ALL, "obt"), .effects = "over"}, "over", 1, 1, 1},
         {{FOR(ALL, "ob"), .effects = "transmission, over"}, "over transmission", 1, 3, 3},
         {{FOR("surface abuffer ppc media", "oe")}, "media", 0, 3, 2},
+        {{FOR("surface abuffer ppc media over", "obe")}, "media over", 0, 3, 4},
     };
     for (size_t i = 0; i < BASE_COUNT(rows); i++) {
         kit k;
@@ -228,11 +278,14 @@ static void payloads_have_limits(void **state) {
     base_error err = {0};
     const modules_effect_note *greedy = kit_effect("greedy");
     const modules_effect_note *clashing[] = {kit_effect("over"), kit_effect("clash")};
+    const modules_effect_note *exact[] = {kit_effect("over"), kit_effect("precise")};
     assert_int_equal(plan_payload_make(&greedy, 1, STRATA_PAYLOAD_UNORM8, &p, &err),
                      STRATA_ERROR_OVERFLOW);
     assert_non_null(strstr(err.text, "52 bytes of payload a fragment; a record holds 48"));
     err = (base_error){0};
     assert_int_equal(plan_payload_make(clashing, 2, STRATA_PAYLOAD_FLOAT, &p, &err),
+                     STRATA_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(plan_payload_make(exact, 2, STRATA_PAYLOAD_FLOAT, &p, &err),
                      STRATA_ERROR_INVALID_ARGUMENT);
     assert_int_equal(plan_payload_make(NULL, 0, STRATA_PAYLOAD_FLOAT, &p, &err), STRATA_OK);
     assert_int_equal(p.plane_count, 0);
@@ -304,7 +357,9 @@ static void modules_are_told_as_json(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(settings_are_resolved),
+        cmocka_unit_test(bands_are_expected),
         cmocka_unit_test(opaque_scenes_plan_no_fragments),
+        cmocka_unit_test(streams_capture_nothing),
         cmocka_unit_test(effects_are_decided),
         cmocka_unit_test(materials_find_their_effect),
         cmocka_unit_test(payloads_are_packed),
