@@ -88,15 +88,14 @@ static int fill_frame(drawing *d, const scene *s, const drawing_options *o, base
            gpu_buffer_write(d->g, d->frame, 0, sizeof block, &block, err) == STRATA_OK;
 }
 
-static void record(drawing *d, strata_draws draws) {
+static void record(drawing *d, strata_draws draws, uint32_t round) {
+    uint32_t load = round ? STRATA_LOAD_KEEP : STRATA_LOAD_CLEAR;
     strata_attachment color = {.struct_size = sizeof color,
                                .image = d->color,
-                               .load = STRATA_LOAD_CLEAR,
+                               .load = load,
                                .clear = {0.2f, 0.2f, 0.2f, 1.0f}};
-    strata_attachment winners = {
-        .struct_size = sizeof winners, .image = d->winners, .load = STRATA_LOAD_CLEAR};
-    strata_attachment clear = {
-        .struct_size = sizeof clear, .image = d->depth, .load = STRATA_LOAD_CLEAR};
+    strata_attachment winners = {.struct_size = sizeof winners, .image = d->winners, .load = load};
+    strata_attachment clear = {.struct_size = sizeof clear, .image = d->depth, .load = load};
     strata_attachment keep = {.struct_size = sizeof keep, .image = d->depth};
     strata_bind bind = {.struct_size = sizeof bind, .name = "winners", .image = d->winners};
     strata_pass passes[3] = {{.label = "nearest",
@@ -131,7 +130,7 @@ int drawing_draw(drawing *d, const scene *s, const drawing_options *o, base_erro
     size_t count = (size_t)d->width * d->height;
     if (!fill_frame(d, s, o, err))
         return 0;
-    record(d, upload_draws(d->u, o->slot ? o->slot : "draws.opaque/1"));
+    record(d, upload_draws(d->u, o->slot ? o->slot : "draws.opaque/1"), o->round);
     return gpu_submit(d->g, err) == STRATA_OK &&
            gpu_image_read(d->g, d->color, 0, d->pixels, count * 16, err) == STRATA_OK &&
            gpu_image_read(d->g, d->depth, 0, d->depths, count * 4, err) == STRATA_OK;

@@ -24,6 +24,7 @@ typedef struct drawing {
 typedef struct drawing_options {
     const char *camera, *slot; /* NULL: "draws.opaque/1" */
     uint32_t width, height, seed, exact, samples;
+    uint32_t round; /* not 0: over what was drawn before */
 } drawing_options;
 
 /* The device stays open between drawings. 0 = failed, err says why. */

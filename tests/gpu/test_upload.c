@@ -119,7 +119,6 @@ static void ties_go_to_the_highest_primitive(void **state) {
     scene_free(s);
 }
 
-/* A later round draws the rest over the depth of an earlier one; see plugins/surface. */
 static void ties_within_one_mesh(void **state) {
     (void)state;
     stage t = stage_new();
@@ -153,6 +152,39 @@ static void ties_within_one_mesh(void **state) {
                 g, t.s, (drawing_options){.width = 64, .height = 64, .seed = seed, .exact = 1});
             for (uint32_t i = 0; i < 64 * 64; i++)
                 assert_true(d.pixels[i * 4] > 0.74f && d.pixels[i * 4] < 0.76f);
+            drawing_free(&d);
+        }
+        gpu_close(g);
+    }
+    scene_free(t.s);
+}
+
+/* Two rounds, the second over the first, in every way to share four surfaces out: the picture is
+ * that of one round. Three lie at one depth, the third of them in all is nearer in the right half.
+ */
+static void ties_across_rounds(void **state) {
+    (void)state;
+    base_error err = {0};
+    stage t = stage_new();
+    for (uint32_t i = 0; i < 4; i++)
+        stage_quad(&t, stage_material(&t, (float)(i + 1) / 4.0f, 0, 0), i == 2 ? 0.0f : -1.0f, -1,
+                   1, 1, i == 2 ? 1.0f : 0.0f);
+    stage_finish(&t);
+    drawing_options o = {.width = 64, .height = 64, .exact = 1};
+    for (int b = 0; b < 2; b++) {
+        gpu *g = stage_open(stage_backends[b]);
+        for (uint32_t first = 0; first < 16 && g; first++) {
+            for (uint32_t i = 0; i < 4; i++)
+                assert_int_equal(scene_set_visible(t.s, i, first >> i & 1, &err), STRATA_OK);
+            drawing d = stage_draw(g, t.s, o);
+            for (uint32_t i = 0; i < 4; i++)
+                assert_int_equal(scene_set_visible(t.s, i, !(first >> i & 1), &err), STRATA_OK);
+            drawing_options again = o;
+            again.round = 1;
+            assert_int_equal(upload_update(d.u, t.s, &err), STRATA_OK);
+            assert_true(drawing_draw(&d, t.s, &again, &err));
+            for (uint32_t i = 0; i < 64 * 64; i++)
+                assert_true(d.pixels[i * 4] == (i % 64 < 32 ? 1.0f : 0.75f));
             drawing_free(&d);
         }
         gpu_close(g);
@@ -323,6 +355,7 @@ int main(void) {
         cmocka_unit_test(same_bits_particles),
         cmocka_unit_test(ties_go_to_the_highest_primitive),
         cmocka_unit_test(ties_within_one_mesh),
+        cmocka_unit_test(ties_across_rounds),
         cmocka_unit_test(edits_arrive),
         cmocka_unit_test(all_hidden_draws_nothing),
         cmocka_unit_test(deformed_vertices_arrive),
