@@ -225,19 +225,28 @@ static void add_device(void *user, const gpu_device_info *info, uint32_t index) 
                                     info->backend, "name", info->name, "driver", info->driver));
 }
 
+static json_t *scene_knob_json(const scene_generator_knob *knob) {
+    json_t *object =
+        json_pack("{s:s, s:s, s:f, s:f, s:f, s:b}", "name", knob->name, "title", knob->title,
+                  "default", knob->preset, "minimum", knob->minimum, "maximum", knob->maximum,
+                  "whole", knob->whole);
+    if (object && knob->choices) {
+        json_t *choices = json_array();
+        for (const char *const *choice = knob->choices; *choice; ++choice)
+            json_array_append_new(choices, json_string(*choice));
+        json_object_set_new(object, "choices", choices);
+    }
+    return object;
+}
+
 static json_t *scenes_json(void) {
     json_t *scenes = json_array();
     uint32_t count = 0;
     const scene_generator *generators = scene_generators(&count);
     for (uint32_t i = 0; i < count; ++i) {
         json_t *knobs = json_array();
-        for (uint32_t k = 0; k < generators[i].knob_count; ++k) {
-            const scene_generator_knob *knob = &generators[i].knobs[k];
-            json_array_append_new(knobs, json_pack("{s:s, s:s, s:f, s:f, s:f, s:b}", "name",
-                                                   knob->name, "title", knob->title, "default",
-                                                   knob->preset, "minimum", knob->minimum,
-                                                   "maximum", knob->maximum, "whole", knob->whole));
-        }
+        for (uint32_t k = 0; k < generators[i].knob_count; ++k)
+            json_array_append_new(knobs, scene_knob_json(&generators[i].knobs[k]));
         json_array_append_new(scenes, json_pack("{s:s, s:s, s:o}", "name", generators[i].name,
                                                 "title", generators[i].title, "knobs", knobs));
     }

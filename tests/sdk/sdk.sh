@@ -80,6 +80,15 @@ build_program() {
         "-Wl,-rpath,$work/prefix/$libdir"
 }
 
+# The example in examples/embed, with CMake, rendering on the null backend and on a real one.
+embed_program() {
+    cmake -G Ninja -S "$source/examples/embed" -B "$work/embed" \
+        -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_C_FLAGS="-Wall -Wextra -Werror" &&
+        cmake --build "$work/embed" && cd "$work" &&
+        "$work/embed/embed" scene:shells null && "$work/embed/embed" scene:shells >"$work/embedded" &&
+        grep -q '^frame 7: mean colour 0' "$work/embedded" && [ -s embed.png ]
+}
+
 # What a program and the command line see: the modules of the prefix, the third party's among them.
 list_modules() {
     "$work/program" >"$work/list" && grep -q '"over"' "$work/list" && grep -q '"glow"' "$work/list"
@@ -96,6 +105,7 @@ case_ "the module installs" install_module
 case_ "a bad descriptor does not build" bad_module
 case_ "a module builds without CMake" module_by_hand
 case_ "a program builds with pkg-config" build_program
+case_ "the embedding example builds and renders" embed_program
 case_ "the program finds the modules" list_modules
 case_ "the command line finds the modules" command_line
 exit $failed
