@@ -141,9 +141,11 @@ static void test_memory_and_loss(void **state) {
     make_buffer(&f, "third", 4); /* only that one fails */
     gpu_close(f.g);
 
-    open_device(&f, &(gpu_open_info){.backend = "null", .inject = "lost:1"});
+    open_device(&f, &(gpu_open_info){.backend = "null", .inject = "lost:2"});
     buffer = make_buffer(&f, "b", 4);
     gpu_begin(f.g, 4, 4);
+    gpu_fill(f.g, "tester", buffer, 0, 4, 1);
+    assert_int_equal(gpu_submit(f.g, &f.err), STRATA_OK);
     gpu_fill(f.g, "tester", buffer, 0, 4, 1);
     assert_int_equal(gpu_submit(f.g, &f.err), STRATA_ERROR_DEVICE_LOST);
     assert_int_equal(gpu_last_code(f.g), GPU_ERROR_LOST);

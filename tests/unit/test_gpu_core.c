@@ -183,6 +183,48 @@ static void test_hazards_host_and_names(void **state) {
                      "[values storage-read|storage-write/c>storage-read/c] ");
 }
 
+static const strata_glsl scene_source = {
+    "#include \"strata/frame.glsl\"\n"
+    "layout(location = 0) out vec4 color;\n"
+    "layout(std430) readonly buffer Values { uint values[]; };\n"
+    "void main() { color = strata_background * float(values[0]); }\n",
+    "scene.glsl"};
+
+/* Stages of one use, and of two uses of one storage, are joined; draws read theirs. */
+static void test_hazards_stages(void **state) {
+    fixture *f = *state;
+    strata_buffer frame = make_buffer(f, "frame", 4096), shared = make_buffer(f, "shared", 4096);
+    strata_buffer commands = make_buffer(f, "commands", 20);
+    strata_image target = make_image(f, "target", STRATA_FORMAT_RGBA32F, 4, 4, 0);
+    const strata_bind binds[] = {bind_buffer("StrataFrame", frame),
+                                 bind_buffer("StrataRecords", shared),
+                                 bind_buffer("StrataPositions", make_buffer(f, "positions", 4096)),
+                                 bind_buffer("StrataMaterials", make_buffer(f, "materials", 4096)),
+                                 bind_buffer("Values", shared)};
+    const gpu_draws_desc desc = {.commands = commands,
+                                 .count = make_buffer(f, "count", 4),
+                                 .indices = make_buffer(f, "indices", 4),
+                                 .capacity = 1};
+    const strata_attachment color = {.struct_size = sizeof color, .image = target};
+    strata_pass pass = {.struct_size = sizeof pass,
+                        .label = "scene",
+                        .program = make_program(f, STRATA_PROGRAM_SCENE, &scene_source),
+                        .binds = binds,
+                        .bind_count = BASE_COUNT(binds),
+                        .color = &color,
+                        .color_count = 1};
+    assert_int_equal(gpu_draws_create(f->scope, &desc, &pass.draws, &f->err), STRATA_OK);
+    gpu_begin(f->g, 4, 4);
+    gpu_pass(f->g, "test", &pass);
+    submit(f);
+    assert_logged(f, "[frame copy-write>uniform/vf]");
+    assert_logged(f, "[shared copy-write>storage-read/vf]");
+    assert_logged(f, "[positions copy-write>storage-read/v]");
+    assert_logged(f, "[commands copy-write>indirect]");
+    assert_logged(f, "[count copy-write>indirect]");
+    assert_logged(f, "[indices copy-write>index]");
+}
+
 /* ---- scopes, history, bytes ------------------------------------------------------------------ */
 
 static strata_buffer history_buffer(fixture *f, gpu_scope *scope, uint64_t size) {
@@ -529,6 +571,7 @@ int main(void) {
         ON_NULL(test_hazards_image),
         ON_NULL(test_hazards_copies),
         ON_NULL(test_hazards_host_and_names),
+        ON_NULL(test_hazards_stages),
         ON_NULL(test_history),
         ON_NULL(test_history_image),
         ON_NULL(test_bytes),

@@ -97,13 +97,31 @@ static void test_include_depth(void **state) {
     compiles(f, text, own);
 }
 
+/* Each file pastes the next twice: two to the 25th lines, were they all pasted. */
+static void test_include_bomb(void **state) {
+    fixture *f = *state;
+    static char texts[26][96], paths[26][16];
+    static strata_glsl files[26];
+    static const strata_glsl *own[27];
+    for (int i = 0; i < 26; i++) {
+        snprintf(paths[i], sizeof paths[i], "b%d.glsl", i);
+        snprintf(texts[i], sizeof texts[i], "#include \"b%d.glsl\"\n#include \"b%d.glsl\"\n", i + 1,
+                 i + 1);
+        files[i] = (strata_glsl){.text = texts[i], .path = paths[i]};
+        own[i] = &files[i];
+    }
+    files[25].text = "// 64 bytes of nothing, over and over and over and over again...\n";
+    fails_at(f, "#include \"b0.glsl\"\n", own, "b", "too long");
+}
+
 /* ---- finding --------------------------------------------------------------------------------- */
 
 static void test_include_order(void **state) {
     fixture *f = *state;
     const strata_glsl mine = {"#define VALUE mine\n", "deep/folder/value.glsl"};
     const strata_glsl frame = {"#error the library comes first\n", "x/strata/frame.glsl"};
-    const strata_glsl *const own[] = {&mine, &frame, NULL};
+    const strata_glsl almost = {"#error another file\n", "folder/other_value.glsl"};
+    const strata_glsl *const own[] = {&almost, &mine, &frame, NULL};
     const char text[] = "#include \"value.glsl\"\n"
                         "#include \"strata/frame.glsl\"\n"
                         "layout(local_size_x = 1) in;\n"
@@ -291,9 +309,8 @@ static void use_cache(char *log, size_t size) {
     gpu_close(f.g);
 }
 
-/* The one entry; its inode tells whether it was written again. */
-static ino_t find_entry(void) {
-    struct stat info;
+/* How many entries there are; `entry` names one of them. */
+static int count_entries(void) {
     char path[128];
     int found = 0;
     snprintf(path, sizeof path, "%s/spirv", folder);
@@ -306,7 +323,13 @@ static ino_t find_entry(void) {
         found++;
     }
     closedir(directory);
-    assert_int_equal(found, 1);
+    return found;
+}
+
+/* The one entry; its inode tells whether it was written again. */
+static ino_t find_entry(void) {
+    struct stat info;
+    assert_int_equal(count_entries(), 1);
     assert_int_equal(stat(entry, &info), 0);
     return info.st_ino;
 }
@@ -319,6 +342,29 @@ static void test_cache(void **state) {
     use_cache(again, sizeof again);
     assert_string_equal(first, again);
     assert_int_equal(find_entry(), written);
+}
+
+/* Entries are told apart by every byte of the text, wherever it comes from. */
+static void test_cache_tells_apart(void **state) {
+    fixture f;
+    static const char *const defines[] = {"A=1u", "A=2u", "B=1u"};
+    static const char text[] = "layout(local_size_x = 1) in;\n"
+                               "#ifdef B\n"
+                               "layout(std430) buffer Other { uint value; };\n"
+                               "#else\n"
+                               "layout(std430) buffer Out { uint value; };\n"
+                               "#endif\n"
+                               "void main() { value = 1u; }\n";
+    (void)state;
+    for (int round = 0; round < 2; round++) {
+        open_device(&f, &(gpu_open_info){.backend = "null", .cache_dir = folder});
+        for (size_t i = 0; i < 3; i++)
+            assert_int_equal(create(&f, text, NULL, &defines[i], 1), STRATA_OK);
+        assert_logged(&f, "program program params 0 Out@0\nprogram program params 0 Out@0\n"
+                          "program program params 0 Other@0\n");
+        gpu_close(f.g);
+        assert_int_equal(count_entries(), 3);
+    }
 }
 
 /* Puts `length` bytes in the entry's place, one of them spoilt unless `spoilt` lies beyond: the
@@ -388,6 +434,7 @@ int main(void) {
         ON_NULL(test_error_lines),
         ON_NULL(test_include_errors),
         ON_NULL(test_include_depth),
+        ON_NULL(test_include_bomb),
         ON_NULL(test_include_order),
         ON_NULL(test_include_forms),
         ON_NULL(test_defines),
@@ -396,6 +443,7 @@ int main(void) {
         ON_NULL(test_refused_resources),
         ON_NULL(test_lazy),
         cmocka_unit_test_setup_teardown(test_cache, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_cache_tells_apart, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_cache_spoilt, make_folder, remove_folder),
         cmocka_unit_test(test_cache_unwritable),
     };

@@ -260,6 +260,10 @@ static void test_limits(void **state) {
     refused(w, &w->dispatch, GPU_ERROR_INDIRECT_ALIGNMENT, "indirect");
     w->dispatch.indirect_offset = 4088;
     refused(w, &w->dispatch, GPU_ERROR_BUFFER_RANGE, "indirect");
+    w->dispatch.indirect = make_buffer(&w->f, "two words", 8);
+    w->dispatch.indirect_offset = 0;
+    refused(w, &w->dispatch, GPU_ERROR_BUFFER_RANGE, "indirect");
+    w->dispatch.indirect = w->extra;
     w->dispatch.indirect_offset = 4084;
     accepted(w, &w->dispatch);
 }
