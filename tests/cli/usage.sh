@@ -59,7 +59,7 @@ refuse 'bands' 2 'whole number from 1' plan scene:layers --set frame.bands=0
 refuse 'knob of the frame' 2 'bands, shuffle and turn' plan scene:layers --set frame.size=1
 refuse 'scene of unknown name' 1 'layers' scene lairs -o x.glb
 refuse 'scene with an unknown knob' 2 'count=' scene layers -o x.glb --set n=1
-refuse 'scene with a knob out of range' 2 'count' scene layers -o x.glb --set count=0
+refuse 'scene with a knob out of range' 2 'count' scene layers -o x.glb --set count=-1
 refuse 'scene:NAME of unknown name' 1 'layers' plan scene:lairs
 refuse 'scene:NAME with an unknown knob' 2 'count=' plan 'scene:layers?n=1'
 refuse 'unknown camera' 1 'no camera' plan scene:layers --camera nowhere
