@@ -42,7 +42,7 @@ typedef struct strata_fragments {
 /* ---- prepare ---------------------------------------------------------------------------------- */
 
 #define STRATA_CHANGED_SIZE 1u
-#define STRATA_CHANGED_SCENE 2u
+#define STRATA_CHANGED_SCENE 2u /* the draws were replaced; edits in place show in scene_revision */
 #define STRATA_CHANGED_EFFECTS 4u
 #define STRATA_CHANGED_SETTINGS 8u
 #define STRATA_CHANGED_BANDS 16u
@@ -99,6 +99,7 @@ typedef struct strata_frame {
     uint64_t index;              /* frames since create(), retries not counted */
     uint32_t attempt;            /* 0, or how often this frame was recorded before */
     uint32_t reserved;
+    uint64_t scene_revision;     /* grows with every edit of the scene */
     const strata_gpu *gpu;
 
     /* record() only. Records a pass; a bad one is reported with technique, pass and binding named,

@@ -226,10 +226,9 @@ static void add_device(void *user, const gpu_device_info *info, uint32_t index) 
 }
 
 static json_t *scene_knob_json(const scene_generator_knob *knob) {
-    json_t *object =
-        json_pack("{s:s, s:s, s:f, s:f, s:f, s:b}", "name", knob->name, "title", knob->title,
-                  "default", knob->preset, "minimum", knob->minimum, "maximum", knob->maximum,
-                  "whole", knob->whole);
+    json_t *object = json_pack("{s:s, s:s, s:f, s:f, s:f, s:b}", "name", knob->name, "title",
+                               knob->title, "default", knob->preset, "minimum", knob->minimum,
+                               "maximum", knob->maximum, "whole", knob->whole);
     if (object && knob->choices) {
         json_t *choices = json_array();
         for (const char *const *choice = knob->choices; *choice; ++choice)

@@ -90,6 +90,7 @@ static strata_frame make_frame(render_technique *t, uint32_t band, uint32_t roun
                           .band_height = rect->height,
                           .index = session->frame_index,
                           .attempt = session->attempt,
+                          .scene_revision = session->scene_revision,
                           .gpu = &t->gpu,
                           .pass = frame_pass,
                           .fill = frame_fill,

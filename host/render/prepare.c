@@ -161,16 +161,26 @@ static int fits(const render_session *session, const scene *sc,
            strcmp(session->plan_text, key) == 0;
 }
 
+/* Techniques prepare again only when the draws that they hold were replaced. */
+static strata_result follow_edits(render_session *session, base_error *err) {
+    const uint32_t opaque = upload_draws(session->upload, "draws.opaque/1").id,
+                   transparent = upload_draws(session->upload, "draws.transparent/1").id;
+    strata_result r = upload_update(session->upload, session->scene, err);
+    session->scene_revision = session->scene->revision;
+    if (upload_draws(session->upload, "draws.opaque/1").id != opaque ||
+        upload_draws(session->upload, "draws.transparent/1").id != transparent) {
+        session->changed |= STRATA_CHANGED_SCENE;
+        session->prepared = 0;
+    }
+    return r;
+}
+
 /* A session that fits keeps its own, equal plan and follows the scene's edits. */
 static strata_result refresh(render_session *session, const strata_render_options *options,
                              base_error *err) {
     strata_result r = STRATA_OK;
-    if (session->scene_revision != session->scene->revision) {
-        r = upload_update(session->upload, session->scene, err);
-        session->scene_revision = session->scene->revision;
-        session->changed |= STRATA_CHANGED_SCENE;
-        session->prepared = 0;
-    }
+    if (session->scene_revision != session->scene->revision)
+        r = follow_edits(session, err);
     if (r == STRATA_OK && options->bands > session->band_count)
         r = render_bands(session, options->bands, err);
     return r;

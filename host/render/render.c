@@ -92,13 +92,14 @@ static strata_result render_frames(strata *s, const strata_render_options *optio
                                    const char **failed, base_error *err) {
     render_result *result = &s->result;
     result->frame_count = 0;
+    /* The key light belongs to the camera as planned with, before it turned. */
+    strata_result r = upload_set_key_light(s->session->upload, &result->view, err);
+    if (r != STRATA_OK)
+        return r;
     for (uint32_t i = 0; i < options->repeat; ++i) {
         const double begin = base_now_ms();
-        strata_result r =
-            scene_view_make(s->session->scene, options->camera, options->angle + options->turn * i,
+        r = scene_view_make(s->session->scene, options->camera, options->angle + options->turn * i,
                             options->width, options->height, &result->view, err);
-        if (r == STRATA_OK && i == 0)
-            r = upload_set_key_light(s->session->upload, &result->view, err);
         if (r == STRATA_OK)
             r = render_frame(s->session, &result->view, options, failed, err);
         if (r != STRATA_OK)

@@ -27,7 +27,7 @@ StrataElement load_state(uint deep) {
 }
 
 void store_state(uint deep, StrataElement walk) {
-    vec4 t = strata_transmittance4(walk.transmittance);
+    vec4 t = strata_transmittance4(walk);
     walk_state0[deep] = walk.color.xy;
     walk_state1[deep] = walk.color.zw;
     walk_state2[deep] = t.xy;

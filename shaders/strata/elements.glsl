@@ -14,5 +14,5 @@ void main() {
         return;
     StrataElement element = strata_event(strata_payload_load(params.first + item));
     strata_elements[2u * item] = element.color;
-    strata_elements[2u * item + 1u] = strata_transmittance4(element.transmittance);
+    strata_elements[2u * item + 1u] = strata_transmittance4(element);
 }

@@ -9,18 +9,19 @@
 
 StrataElement strata_fold_begin() { return StrataElement(vec4(0.0), STRATA_TRANSMITTANCE(1.0)); }
 
-// A transmittance for each of r, g, b and alpha; alpha takes the mean of a coloured one.
+// A transmittance for each of r, g, b and alpha. Where transmission is coloured, alpha has one of its own:
+// coverages compose by themselves, as they do without colour.
+vec4 strata_transmittance4(StrataElement element) {
 #if STRATA_CHANNELS == 3
-vec4 strata_transmittance4(vec3 t) {
-    precise float mean = (t.r + t.g + t.b) * (1.0 / 3.0);
-    return vec4(t, mean);
-}
+    precise float uncovered = 1.0 - element.color.a;
+    return vec4(element.transmittance, uncovered);
 #else
-vec4 strata_transmittance4(float t) { return vec4(t); }
+    return vec4(element.transmittance);
 #endif
+}
 
 void strata_fold_step(inout StrataElement walk, StrataElement element) {
-    precise vec4 color = walk.color + strata_transmittance4(walk.transmittance) * element.color;
+    precise vec4 color = walk.color + strata_transmittance4(walk) * element.color;
     precise STRATA_TRANSMITTANCE t = walk.transmittance * element.transmittance;
     walk.color = color;
     walk.transmittance = t;
@@ -28,7 +29,7 @@ void strata_fold_step(inout StrataElement walk, StrataElement element) {
 
 // What the eye sees when the walk ends at an opaque surface or the background.
 vec4 strata_fold_end(StrataElement walk, vec4 behind) {
-    precise vec4 color = walk.color + strata_transmittance4(walk.transmittance) * behind;
+    precise vec4 color = walk.color + strata_transmittance4(walk) * behind;
     return color;
 }
 
