@@ -46,15 +46,6 @@ static int check_buffer_range(gpu *g, const gpu_binding *binding, const gpu_obje
     return 1;
 }
 
-static int is_depth(uint32_t format) {
-    return format == STRATA_FORMAT_D32F || format == STRATA_FORMAT_D32F_S8;
-}
-
-static int is_unsigned(uint32_t format) {
-    return format == STRATA_FORMAT_R32U || format == STRATA_FORMAT_RG32U ||
-           format == STRATA_FORMAT_RGBA32U;
-}
-
 static int check_image_use(gpu *g, const gpu_binding *binding, const gpu_object *object) {
     const gpu_image_state *image = &object->image;
     if ((image->layers > 0) != (binding->arrayed != 0)) {
@@ -62,9 +53,10 @@ static int check_image_use(gpu *g, const gpu_binding *binding, const gpu_object 
                         object->label, image->layers ? "has" : "is without");
         return 0;
     }
-    int fits = is_unsigned(image->format) == (binding->is_unsigned != 0);
+    int fits = gpu_format_is_integer(image->format) == (binding->is_unsigned != 0);
     if (binding->kind == GPU_BINDING_STORAGE_IMAGE)
-        fits = fits && !is_depth(image->format) && image->format != STRATA_FORMAT_RGBA8_SRGB &&
+        fits = fits && !gpu_format_is_depth(image->format) &&
+               image->format != STRATA_FORMAT_RGBA8_SRGB &&
                (!binding->format || binding->format == image->format);
     if (!fits)
         gpu_record_fail(g, GPU_ERROR_IMAGE_FORMAT, "'%s': image '%s' of format %u", binding->name,

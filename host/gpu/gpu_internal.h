@@ -79,6 +79,15 @@ typedef struct gpu_source {
     size_t path_count, path_capacity;
 } gpu_source;
 
+static inline int gpu_format_is_depth(uint32_t format) {
+    return format == STRATA_FORMAT_D32F || format == STRATA_FORMAT_D32F_S8;
+}
+
+static inline int gpu_format_is_integer(uint32_t format) {
+    return format == STRATA_FORMAT_R32U || format == STRATA_FORMAT_RG32U ||
+           format == STRATA_FORMAT_RGBA32U;
+}
+
 typedef enum gpu_output { GPU_OUTPUT_NONE, GPU_OUTPUT_FLOAT, GPU_OUTPUT_UINT } gpu_output;
 
 typedef struct gpu_program_state {

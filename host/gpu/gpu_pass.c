@@ -27,15 +27,6 @@ static int fail(pass_context *c, gpu_code code, const char *what) {
     return 0;
 }
 
-static int is_integer(uint32_t format) {
-    return format == STRATA_FORMAT_R32U || format == STRATA_FORMAT_RG32U ||
-           format == STRATA_FORMAT_RGBA32U;
-}
-
-static int is_depth(uint32_t format) {
-    return format == STRATA_FORMAT_D32F || format == STRATA_FORMAT_D32F_S8;
-}
-
 /* Finds the image; all attachments have one size, and none is there twice. */
 static gpu_object *attach(pass_context *c, const strata_attachment *attachment, const char *name,
                           uint32_t access) {
@@ -86,10 +77,10 @@ static int take_color(pass_context *c) {
         if (!object)
             return 0;
         uint32_t format = object->image.format;
-        if (is_depth(format) || format == STRATA_FORMAT_RGBA8_SRGB ||
-            (is_integer(format) && c->color[i].blend != STRATA_BLEND_NONE))
+        if (gpu_format_is_depth(format) || format == STRATA_FORMAT_RGBA8_SRGB ||
+            (gpu_format_is_integer(format) && c->color[i].blend != STRATA_BLEND_NONE))
             return fail(c, GPU_ERROR_IMAGE_FORMAT, name);
-        gpu_output wanted = is_integer(format) ? GPU_OUTPUT_UINT : GPU_OUTPUT_FLOAT;
+        gpu_output wanted = gpu_format_is_integer(format) ? GPU_OUTPUT_UINT : GPU_OUTPUT_FLOAT;
         if (c->color[i].mask_off != 15 && c->program->program->outputs[i] != wanted)
             return fail(c, GPU_ERROR_OUTPUT_TYPE, name);
         c->native.color[i] = object->image.storage->native;
@@ -118,7 +109,7 @@ static int take_depth(pass_context *c) {
     const gpu_object *object = attach(c, &c->depth, "depth attachment", GPU_ACCESS_DEPTH);
     if (!object)
         return 0;
-    if (!is_depth(object->image.format) ||
+    if (!gpu_format_is_depth(object->image.format) ||
         (pass->stencil_test && object->image.format != STRATA_FORMAT_D32F_S8))
         return fail(c, GPU_ERROR_IMAGE_FORMAT, "depth attachment");
     c->native.depth = object->image.storage->native;

@@ -298,7 +298,7 @@ strata_result gpu_image_write(gpu *g, strata_image image, uint32_t layer, uint32
         height > object->image.height - y)
         return gpu_fail(g, err, GPU_ERROR_IMAGE_SIZE, "image '%s': %ux%u texels at %u, %u",
                         object->label, width, height, x, y);
-    if (object->image.format == STRATA_FORMAT_D32F || object->image.format == STRATA_FORMAT_D32F_S8)
+    if (gpu_format_is_depth(object->image.format))
         return gpu_fail(g, err, GPU_ERROR_IMAGE_FORMAT, "image '%s' written by the host",
                         object->label);
     if (width == 0 || height == 0)
