@@ -35,7 +35,9 @@ static const struct argp_option options[] = {
     {"use", KEY_USE, "ID[,ID..]", 0, "Use these techniques; the plan fills what they leave open",
      3},
     {"set", KEY_SET, "ID.KNOB=VALUE", 0,
-     "Set a technique's knob; may be repeated. For tests: frame.bands=N, frame.shuffle=SEED", 3},
+     "Set a technique's knob; may be repeated. For tests: frame.bands=N, frame.shuffle=SEED, "
+     "frame.turn=DEGREES",
+     3},
     {"effects", KEY_EFFECTS, "auto|none|ID[,ID..]", 0,
      "What the scene calls for, nothing, or exactly these", 3},
     {"backend", KEY_BACKEND, "vulkan|gl|null", 0, "Vulkan where there is one, else GL", 3},
