@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * An effect of a third party: what glows adds its light and hides nothing. Used only when asked for.
+ * An effect of a third party: what glows adds its light and hides nothing. Used only when asked
+ * for.
  */
 #include "glow_glsl.h"
 #include "strata/strata.h"
