@@ -10,8 +10,7 @@
 
 static _Thread_local base_error open_error;
 
-/* ---- instances
- * ------------------------------------------------------------------------------------- */
+/* ---- instances ------------------------------------------------------------------------------- */
 
 static char *copy_text(const char *text, int *failed) {
     if (!text)
@@ -99,8 +98,7 @@ const char *strata_error(const strata *s) {
     return s ? s->error.text : open_error.text;
 }
 
-/* ---- scenes
- * ---------------------------------------------------------------------------------------- */
+/* ---- scenes ---------------------------------------------------------------------------------- */
 
 static strata_result keep_scene(strata *s, scene *loaded, strata_scene **out) {
     strata_scene *sc = base_calloc(1, sizeof *sc);
@@ -194,8 +192,7 @@ strata_result strata_scene_set_visible(strata_scene *sc, uint32_t instance, uint
     return scene_set_visible(sc->scene, instance, visible, &sc->owner->error);
 }
 
-/* ---- texts
- * ----------------------------------------------------------------------------------------- */
+/* ---- texts ----------------------------------------------------------------------------------- */
 
 /* Writes the object and lets go of it. */
 static strata_result write_json(strata *s, json_t *object, strata_write_fn write, void *user) {
@@ -225,10 +222,15 @@ static void add_device(void *user, const gpu_device_info *info, uint32_t index) 
                                     info->backend, "name", info->name, "driver", info->driver));
 }
 
+static json_t *knob_value(const scene_generator_knob *knob, double value) {
+    return knob->whole ? json_integer((json_int_t)value) : json_real(value);
+}
+
 static json_t *scene_knob_json(const scene_generator_knob *knob) {
-    json_t *object = json_pack("{s:s, s:s, s:f, s:f, s:f, s:b}", "name", knob->name, "title",
-                               knob->title, "default", knob->preset, "minimum", knob->minimum,
-                               "maximum", knob->maximum, "whole", knob->whole);
+    json_t *object = json_pack("{s:s, s:s, s:o, s:o, s:o, s:b}", "name", knob->name, "title",
+                               knob->title, "default", knob_value(knob, knob->preset), "minimum",
+                               knob_value(knob, knob->minimum), "maximum",
+                               knob_value(knob, knob->maximum), "whole", knob->whole);
     if (object && knob->choices) {
         json_t *choices = json_array();
         for (const char *const *choice = knob->choices; *choice; ++choice)
@@ -320,8 +322,7 @@ strata_result strata_compare(strata *s, const char *a, const char *b, const char
                       write, user);
 }
 
-/* ---- plan
- * ------------------------------------------------------------------------------------------ */
+/* ---- plan ------------------------------------------------------------------------------------ */
 
 strata_result strata_plan(strata *s, strata_scene *sc, const strata_render_options *given,
                           strata_write_fn write, void *user) {

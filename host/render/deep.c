@@ -47,8 +47,7 @@ void render_deep_free(render_deep *deep) {
     *deep = (render_deep){0};
 }
 
-/* ---- reading a band
- * ----------------------------------------------------------------------------------- */
+/* ---- reading a band -------------------------------------------------------------------------- */
 
 static strata_result make_program(render_session *session, base_error *err) {
     if (session->deep_program.id)
@@ -126,8 +125,7 @@ static strata_result read_band(render_session *session, deep_band *band, base_er
     return r == STRATA_OK ? read_elements(session, band, err) : r;
 }
 
-/* ---- sorting and appending
- * ------------------------------------------------------------------------------ */
+/* ---- sorting and appending ------------------------------------------------------------------- */
 
 static int by_key(const void *a, const void *b) {
     const deep_record *left = a, *right = b;

@@ -9,10 +9,8 @@
 #include <string.h>
 
 #define MAX_ATTEMPTS 64u
-#define POOL_STEP    256u /* elements that capacities are rounded up to */
 
-/* ---- strata_frame: what a technique may do while it records or verifies
- * ----------------------------- */
+/* ---- strata_frame: what a technique may do while it records or verifies ---------------------- */
 
 static void frame_pass(void *self, const strata_pass *pass) {
     const render_technique *t = self;
@@ -101,8 +99,7 @@ static strata_frame make_frame(render_technique *t, uint32_t band, uint32_t roun
                           .fail = frame_failed};
 }
 
-/* ---- the frame block
- * -------------------------------------------------------------------------------- */
+/* ---- the frame block ------------------------------------------------------------------------- */
 
 static strata_result write_block(render_session *session, const scene_view *view,
                                  const strata_render_options *options, const render_rect *rect,
@@ -122,8 +119,7 @@ static strata_result write_block(render_session *session, const scene_view *view
                             err);
 }
 
-/* ---- recording and verifying
- * -------------------------------------------------------------------------- */
+/* ---- recording and verifying ----------------------------------------------------------------- */
 
 static int is_opaque_stage(const render_technique *t) {
     return strcmp(t->planned->technique->stage, "draws") == 0 ||
@@ -141,7 +137,9 @@ static strata_result record_techniques(render_session *session, int opaque, uint
             continue;
         const strata_frame frame = make_frame(t, band, 0);
         t->error = (base_error){0};
+        t->recording = 1;
         t->technique->record(t->state, &frame);
+        t->recording = 0;
         if (gpu_frame_error(g)->result != STRATA_OK)
             *failed = t->planned->technique->id;
         if (session->careful || *failed)
@@ -168,12 +166,7 @@ static strata_result record_opaque(render_session *session, const scene_view *vi
     return r == STRATA_OK ? render_account_passes(session->owner, err) : r;
 }
 
-/* A pool that was too small: what its bands asked for, most. */
-typedef struct shortage {
-    uint64_t needed[RENDER_MAX_POOLS];
-} shortage;
-
-static strata_result verify_band(render_session *session, uint32_t band, shortage *short_of,
+static strata_result verify_band(render_session *session, uint32_t band, render_shortage *short_of,
                                  int *again, const char **failed, base_error *err) {
     gpu *g = session->owner->gpu;
     for (uint32_t i = 0; i < session->technique_count; ++i) {
@@ -211,7 +204,7 @@ static strata_result verify_band(render_session *session, uint32_t band, shortag
 }
 
 static strata_result record_bands(render_session *session, const scene_view *view,
-                                  const strata_render_options *options, shortage *short_of,
+                                  const strata_render_options *options, render_shortage *short_of,
                                   int *again, const char **failed, base_error *err) {
     gpu *g = session->owner->gpu;
     strata *s = session->owner;
@@ -238,75 +231,10 @@ static strata_result record_bands(render_session *session, const scene_view *vie
     return STRATA_OK;
 }
 
-/* ---- growing, or splitting into bands
- * ------------------------------------------------------------------ */
-
-/* First exactly what is needed; then, time after time, from a 64th to a quarter more, so that a
- * moving camera does not retry for ever. */
-static uint64_t grown(const render_technique *t, uint32_t pool, uint64_t needed) {
-    const uint32_t times = t->pool_grown[pool];
-    if (times > 0)
-        needed += needed >> (times < 5 ? 7 - times : 2);
-    return (needed + POOL_STEP - 1) / POOL_STEP * POOL_STEP;
-}
-
-/* Elements that a pool may have: by storage range, and by the memory that techniques may take. */
-static uint64_t room(const render_session *session, strata_pool pool) {
-    const gpu *g = session->owner->gpu;
-    uint64_t most = gpu_pool_limit(g, pool);
-    if (session->owner->memory) {
-        const uint64_t element = gpu_pool_element_bytes(g, pool);
-        uint64_t used =
-            gpu_bytes(g, NULL) - gpu_bytes(g, "scene") - gpu_pool_capacity(g, pool) * element;
-        const uint64_t left = session->owner->memory > used ? session->owner->memory - used : 0;
-        if (left / element < most)
-            most = left / element;
-    }
-    return most;
-}
-
-static strata_result split(render_session *session, uint64_t needed, uint64_t most,
-                           base_error *err) {
-    if (most == 0)
-        return base_fail(err, STRATA_ERROR_OUT_OF_DEVICE_MEMORY,
-                         "the memory allowed holds not even one band of the frame");
-    const uint64_t factor = needed / most + 1;
-    const uint64_t count = factor * session->band_count;
-    if ((session->band_width == 1 && session->band_height == 1) || count > RENDER_MAX_BANDS)
-        return base_fail(err, STRATA_ERROR_OUT_OF_DEVICE_MEMORY,
-                         "one pixel's fragments exceed the memory or storage range allowed");
-    return render_bands(session, (uint32_t)count, err);
-}
-
-static strata_result make_room(render_session *session, const shortage *short_of, base_error *err) {
-    gpu *g = session->owner->gpu;
-    for (uint32_t i = 0; i < session->technique_count; ++i) {
-        render_technique *t = &session->techniques[i];
-        for (uint32_t p = 0; p < t->pool_count; ++p) {
-            const uint64_t needed = short_of[i].needed[p];
-            if (needed == 0)
-                continue;
-            const uint64_t most = room(session, t->pools[p]);
-            if (needed > most)
-                return split(session, needed, most, err);
-            uint64_t capacity = grown(t, p, needed);
-            capacity = capacity < most ? capacity : most;
-            base_error grow_error = {0};
-            if (gpu_pool_grow(g, t->pools[p], capacity, &grow_error) ==
-                STRATA_ERROR_OUT_OF_DEVICE_MEMORY)
-                return split(session, needed, needed / 2 + 1, err);
-            if (grow_error.result != STRATA_OK)
-                return base_fail(err, grow_error.result, "%s", grow_error.text);
-            t->pool_grown[p]++;
-        }
-    }
-    return STRATA_OK;
-}
-
 strata_result render_frame(render_session *session, const scene_view *view,
                            const strata_render_options *options, const char **failed,
                            base_error *err) {
-    shortage *short_of = base_calloc(session->technique_count + 1, sizeof *short_of);
+    render_shortage *short_of = base_calloc(session->technique_count + 1, sizeof *short_of);
     strata_result r = short_of ? STRATA_OK : STRATA_ERROR_OUT_OF_HOST_MEMORY;
     int again = 1;
     *failed = NULL;
@@ -322,7 +250,9 @@ strata_result render_frame(render_session *session, const scene_view *view,
         memset(short_of, 0, (session->technique_count + 1) * sizeof *short_of);
         session->report = (render_report){0};
         session->owner->result.pass_count = 0;
-        r = render_session_prepare(session, failed, err);
+        r = render_prepare_in_room(session, &again, failed, err);
+        if (again)
+            continue;
         if (r == STRATA_OK)
             r = record_opaque(session, view, options, failed, err);
         if (r == STRATA_OK && (options->outputs & STRATA_OUTPUT_DEEP))
@@ -330,7 +260,7 @@ strata_result render_frame(render_session *session, const scene_view *view,
         if (r == STRATA_OK)
             r = record_bands(session, view, options, short_of, &again, failed, err);
         if (r == STRATA_OK && again)
-            r = make_room(session, short_of, err);
+            r = render_make_room(session, short_of, err);
         session->owner->result.retries += again ? 1u : 0u;
     }
     session->frame_index++;

@@ -15,7 +15,7 @@ void render_warn(strata *s, const char *format, ...) {
     va_start(arguments, format);
     vsnprintf(line, sizeof line, format, arguments);
     va_end(arguments);
-    base_log(BASE_LOG_WARNING, "%s", line);
+    base_log(BASE_LOG_INFO, "%s", line); /* who reads the account prints it */
     char **warnings =
         base_realloc(s->result.warnings, (size_t)s->result.warning_count + 1, sizeof *warnings);
     if (!warnings)
@@ -63,8 +63,7 @@ strata_result render_exclude(strata *s, const char *technique, const char *reaso
     return STRATA_OK;
 }
 
-/* ---- the plan
- * --------------------------------------------------------------------------------------- */
+/* ---- the plan -------------------------------------------------------------------------------- */
 
 static uint64_t device_fact(void *user, const char *id) {
     return gpu_fact(((strata *)user)->gpu, id);
@@ -131,8 +130,7 @@ strata_result render_plan(strata *s, scene *sc, const strata_render_options *opt
     return r;
 }
 
-/* ---- whether the session still fits
- * -------------------------------------------------------------------- */
+/* ---- whether the session still fits ---------------------------------------------------------- */
 
 /* What of a plan the techniques were prepared for; costs and reasons do not matter. */
 static char *plan_key(const plan *p) {
@@ -198,6 +196,10 @@ strata_result render_session_open(strata *s, scene *sc, const strata_render_opti
         r = refresh(s->session, options, err);
         plan_free(p);
         free(key);
+        if (r != STRATA_OK) { /* half of an edit may be there */
+            render_session_free(s->session);
+            s->session = NULL;
+        }
         return r;
     }
     render_session_free(s->session);

@@ -46,8 +46,7 @@ strata_result render_options(const strata_render_options *given, strata_render_o
     return STRATA_OK;
 }
 
-/* ---- reading back
- * ------------------------------------------------------------------------------------ */
+/* ---- reading back ---------------------------------------------------------------------------- */
 
 static strata_result read_depth(strata *s, base_error *err) {
     render_session *session = s->session;
@@ -85,8 +84,7 @@ static strata_result read_back(strata *s, const strata_render_options *options, 
     return r;
 }
 
-/* ---- frames
- * ------------------------------------------------------------------------------------------ */
+/* ---- frames ---------------------------------------------------------------------------------- */
 
 static strata_result render_frames(strata *s, const strata_render_options *options,
                                    const char **failed, base_error *err) {
@@ -161,6 +159,15 @@ static int recoverable(strata *s, strata_result r, const char *failed, const bas
     return r == STRATA_OK;
 }
 
+/* Those of a render that failed as a whole, or for want of memory, say nothing about the next. */
+static void forget_exclusions(strata *s, uint32_t count) {
+    while (s->exclusion_count > count) {
+        const plan_exclusion *last = &s->exclusions[--s->exclusion_count];
+        free((void *)(uintptr_t)last->technique);
+        free((void *)(uintptr_t)last->reason);
+    }
+}
+
 strata_result strata_render(strata *s, strata_scene *sc, const strata_render_options *given) {
     strata_render_options options;
     base_error err = {0};
@@ -178,10 +185,13 @@ strata_result strata_render(strata *s, strata_scene *sc, const strata_render_opt
         return base_fail(&s->error, STRATA_ERROR_OUT_OF_HOST_MEMORY, "out of memory");
 
     base_error first = {0};
+    const uint32_t exclusions = s->exclusion_count;
+    int out_of_memory = 0;
     for (uint32_t i = 0; i < MAX_REPLANS; ++i) {
         const char *failed = NULL;
         err = (base_error){0};
         r = attempt(s, sc->scene, &options, &failed, &err);
+        out_of_memory |= r == STRATA_ERROR_OUT_OF_DEVICE_MEMORY;
         if (r == STRATA_OK || !recoverable(s, r, failed, &err))
             break;
         if (first.result == STRATA_OK)
@@ -190,14 +200,15 @@ strata_result strata_render(strata *s, strata_scene *sc, const strata_render_opt
     if (r == STRATA_OK)
         r = read_back(s, &options, &err);
     s->result.valid = r == STRATA_OK;
+    if (r != STRATA_OK || out_of_memory)
+        forget_exclusions(s, exclusions);
     if (r != STRATA_OK) /* what went wrong first explains more than that no plan was left */
         base_fail(&s->error, first.result != STRATA_OK ? first.result : r, "%s",
                   first.result != STRATA_OK ? first.text : err.text);
     return s->error.result;
 }
 
-/* ---- outputs
- * ----------------------------------------------------------------------------------------- */
+/* ---- outputs --------------------------------------------------------------------------------- */
 
 static const image *output_image(const strata *s, uint32_t output) {
     if (!s->result.valid)

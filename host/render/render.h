@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * From a plan to an image: the instance behind strata/host.h, the session that keeps techniques alive
- * between frames, and the frame's loops (rounds, bands, retries). Holds no rendering algorithm.
+ * From a plan to an image: the instance behind strata/host.h, the session that keeps techniques
+ * alive between frames, and the frame's loops (rounds, bands, retries). Holds no rendering
+ * algorithm.
  *
  *     api.c       strata/host.h: instances, scenes, texts
  *     render.c    strata/host.h: rendering and outputs
  *     prepare.c   scene -> demand -> plan -> session
  *     session.c   techniques: create, prepare, destroy; what they see of the host
  *     frame.c     record, verify, retry
+ *     room.c      pools grow, or more bands
+ *     native.c    the native extensions
  *     effects.c   the generated effect header
  *     deep.c      fragments as elements, for deep images
  *     account.c   what it cost
@@ -65,10 +68,18 @@ typedef struct render_technique {
     uint64_t pool_capacity[RENDER_MAX_POOLS]; /* to begin with after the next prepare, by label */
     uint32_t pool_grown[RENDER_MAX_POOLS];    /* times */
     uint32_t pool_count;
-    uint32_t created; /* create() was called: destroy() is due */
+    uint32_t pools_begin_small; /* at the next prepare: the frame was split */
+    uint32_t created;           /* create() was called: destroy() is due */
+    uint32_t recording;         /* in record(): native passes are allowed */
     uint32_t verifying;
     base_error error;
 } render_technique;
+
+/* Pools of one technique that were too small: the most that a band asked for, 0 where it was room
+ * enough. */
+typedef struct render_shortage {
+    uint64_t needed[RENDER_MAX_POOLS];
+} render_shortage;
 
 typedef struct render_report {
     uint64_t total, kept, dropped, largest;
@@ -154,12 +165,12 @@ struct strata {
     uint32_t losses; /* of the device, so far */
 };
 
-/* ---- render.c ----------------------------------------------------------------------------------- */
+/* ---- render.c -------------------------------------------------------------------------------- */
 /* Checked options with every default filled in. */
 strata_result render_options(const strata_render_options *given, strata_render_options *options,
                              base_error *err);
 
-/* ---- prepare.c ---------------------------------------------------------------------------------- */
+/* ---- prepare.c ------------------------------------------------------------------------------- */
 /* Demand, estimate and plan for these options; *view is the first frame's camera. */
 strata_result render_plan(strata *s, scene *sc, const strata_render_options *options, plan **out,
                           scene_view *view, base_error *err);
@@ -168,13 +179,13 @@ strata_result render_device(strata *s, base_error *err);
 strata_result render_modules(strata *s, base_error *err);
 /* Makes s->session fit the plan and options, keeping the old one where nothing changed. Takes
  * ownership of p in any case. */
-strata_result render_session_open(strata *s, scene *sc, const strata_render_options *options, plan *p,
-                                  base_error *err);
+strata_result render_session_open(strata *s, scene *sc, const strata_render_options *options,
+                                  plan *p, base_error *err);
 /* No technique of this id in later plans. */
 strata_result render_exclude(strata *s, const char *technique, const char *reason, base_error *err);
 void render_warn(strata *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* ---- session.c ---------------------------------------------------------------------------------- */
+/* ---- session.c ------------------------------------------------------------------------------- */
 strata_result render_session_create(strata *s, scene *sc, const strata_render_options *options,
                                     plan *p, render_session **out, base_error *err);
 /* prepare() of every technique, in order, if it is due. *failed: the technique that failed. */
@@ -183,17 +194,29 @@ void render_session_free(render_session *session); /* NULL is fine */
 /* Splits the frame into at least `count` rows (then columns) of even size. */
 strata_result render_bands(render_session *session, uint32_t count, base_error *err);
 
-/* ---- frame.c ------------------------------------------------------------------------------------ */
+/* ---- frame.c --------------------------------------------------------------------------------- */
 /* One frame with all its rounds, bands and retries. *failed as above. */
 strata_result render_frame(render_session *session, const scene_view *view,
                            const strata_render_options *options, const char **failed,
                            base_error *err);
 
-/* ---- effects.c ---------------------------------------------------------------------------------- */
+/* ---- native.c -------------------------------------------------------------------------------- */
+/* The table of this extension for the techniques of this device, NULL when it has none. */
+const void *render_extension(const gpu *g, const char *id);
+
+/* ---- room.c ---------------------------------------------------------------------------------- */
+/* render_session_prepare; *again = 1: it did not fit and the frame was split, prepare again. */
+strata_result render_prepare_in_room(render_session *session, int *again, const char **failed,
+                                     base_error *err);
+/* Grows what was short, short_of[technique]; or splits the frame. */
+strata_result render_make_room(render_session *session, const render_shortage *short_of,
+                               base_error *err);
+
+/* ---- effects.c ------------------------------------------------------------------------------- */
 /* Hands the generated effect header and the effects' sources to the device. */
 strata_result render_effects(render_session *session, base_error *err);
 
-/* ---- deep.c ------------------------------------------------------------------------------------- */
+/* ---- deep.c ---------------------------------------------------------------------------------- */
 /* After the opaque part: keeps its colours. */
 strata_result render_deep_begin(render_session *session, base_error *err);
 /* After a band was verified: appends its fragments, sorted, and the opaque surface. */
@@ -201,7 +224,7 @@ strata_result render_deep_band(render_session *session, const render_rect *band,
 image_deep render_deep_image(const render_session *session); /* borrows the arrays */
 void render_deep_free(render_deep *deep);
 
-/* ---- account.c ---------------------------------------------------------------------------------- */
+/* ---- account.c ------------------------------------------------------------------------------- */
 /* Merges the device's timings since gpu_begin into the frame's. */
 strata_result render_account_passes(strata *s, base_error *err);
 void render_result_clear(render_result *result);

@@ -9,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- strata_gpu: creation, in the scope of the moment
- * --------------------------------------------- */
+/* ---- strata_gpu: creation, in the scope of the moment ---------------------------------------- */
 
 static strata_result allowed(render_technique *t) {
     if (t->scope)
@@ -60,7 +59,14 @@ static strata_result technique_pool(void *self, const strata_pool_desc *desc, st
     const uint32_t i = t->pool_count;
     if (t->pool_capacity[i] > sized.expected)
         sized.expected = t->pool_capacity[i];
-    r = gpu_pool_create(t->scope, &sized, out, &t->error);
+    base_error failure = {0};
+    r = gpu_pool_create(t->scope, &sized, out, &failure);
+    if (r == STRATA_ERROR_OUT_OF_DEVICE_MEMORY) { /* then small, and in bands where it must grow */
+        sized.expected = 0;
+        r = gpu_pool_create(t->scope, &sized, out, &t->error);
+    } else if (r != STRATA_OK) {
+        base_fail(&t->error, r, "%s", failure.text);
+    }
     if (r == STRATA_OK)
         t->pools[t->pool_count++] = *out;
     return r;
@@ -87,8 +93,7 @@ static const char *technique_error(void *self) {
     return t->error.text;
 }
 
-/* ---- strata_host
- * ---------------------------------------------------------------------------------- */
+/* ---- strata_host ----------------------------------------------------------------------------- */
 
 static void technique_log(void *self, uint32_t level, const char *text) {
     const render_technique *t = self;
@@ -97,13 +102,10 @@ static void technique_log(void *self, uint32_t level, const char *text) {
 }
 
 static const void *technique_extension(void *self, const char *id) {
-    (void)self;
-    (void)id;
-    return NULL;
+    return render_extension(((render_technique *)self)->session->owner->gpu, id);
 }
 
-/* ---- strata_view
- * ---------------------------------------------------------------------------------- */
+/* ---- strata_view ----------------------------------------------------------------------------- */
 
 static int names_slot(const render_technique *t, const char *slot, uint32_t use) {
     for (uint32_t i = 0; i < t->technique->slot_count; ++i)
@@ -163,6 +165,26 @@ static const strata_fragments *view_fragments(void *self) {
                : NULL;
 }
 
+/* What failed half-way is destroyed at once, so that it may be tried again. */
+static strata_result create_technique(render_technique *t) {
+    gpu *g = t->session->owner->gpu;
+    if (!t->create_scope)
+        t->create_scope = gpu_scope_create(g, t->planned->technique->id);
+    if (!t->create_scope)
+        return base_fail(&t->error, STRATA_ERROR_OUT_OF_HOST_MEMORY, "out of memory");
+    t->scope = t->create_scope;
+    strata_result r = t->technique->create(t->state, &t->host, &t->gpu);
+    t->scope = NULL;
+    t->created = r == STRATA_OK;
+    if (r != STRATA_OK) {
+        t->technique->destroy(t->state);
+        memset(t->state, 0, t->technique->state_size);
+        gpu_scope_end(t->create_scope);
+        t->create_scope = NULL;
+    }
+    return r;
+}
+
 static strata_result prepare_technique(render_technique *t) {
     render_session *session = t->session;
     const plan *p = session->plan;
@@ -188,7 +210,9 @@ static strata_result prepare_technique(render_technique *t) {
                         .fragments = view_fragments};
     memcpy(view.payload_plane_strides, p->payload.plane_strides, sizeof view.payload_plane_strides);
     for (uint32_t i = 0; i < t->pool_count; ++i)
-        t->pool_capacity[i] = gpu_pool_capacity(session->owner->gpu, t->pools[i]);
+        t->pool_capacity[i] =
+            t->pools_begin_small ? 0 : gpu_pool_capacity(session->owner->gpu, t->pools[i]);
+    t->pools_begin_small = 0;
     t->pool_count = 0;
     gpu_scope_end(t->prepare_scope);
     t->prepare_scope = gpu_scope_create(session->owner->gpu, t->planned->technique->id);
@@ -221,15 +245,10 @@ strata_result render_session_prepare(render_session *session, const char **faile
     for (uint32_t i = 0; i < session->technique_count; ++i) {
         render_technique *t = &session->techniques[i];
         t->error = (base_error){0};
-        if (!t->created) {
-            t->scope = t->create_scope;
-            t->created = 1;
-            strata_result r = t->technique->create(t->state, &t->host, &t->gpu);
-            t->scope = NULL;
-            if (r != STRATA_OK)
-                return technique_failed(t, "create", r, failed, err);
-        }
-        strata_result r = prepare_technique(t);
+        strata_result r = t->created ? STRATA_OK : create_technique(t);
+        if (r != STRATA_OK)
+            return technique_failed(t, "create", r, failed, err);
+        r = prepare_technique(t);
         if (r != STRATA_OK)
             return technique_failed(t, "prepare", r, failed, err);
     }
@@ -238,8 +257,7 @@ strata_result render_session_prepare(render_session *session, const char **faile
     return STRATA_OK;
 }
 
-/* ---- bands
- * ---------------------------------------------------------------------------------------- */
+/* ---- bands ----------------------------------------------------------------------------------- */
 
 strata_result render_bands(render_session *session, uint32_t count, base_error *err) {
     const uint32_t rows = count < session->height ? count : session->height;
@@ -272,8 +290,7 @@ strata_result render_bands(render_session *session, uint32_t count, base_error *
     return STRATA_OK;
 }
 
-/* ---- making and ending
- * ------------------------------------------------------------------------------ */
+/* ---- making and ending ----------------------------------------------------------------------- */
 
 static strata_result open_technique(render_session *session, uint32_t index, base_error *err) {
     render_technique *t = &session->techniques[index];
@@ -299,8 +316,7 @@ static strata_result open_technique(render_session *session, uint32_t index, bas
     if (r != STRATA_OK)
         return r;
     t->state = base_calloc(1, t->technique->state_size ? t->technique->state_size : 1);
-    t->create_scope = gpu_scope_create(session->owner->gpu, planned->technique->id);
-    if (!t->state || !t->create_scope)
+    if (!t->state)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: out of memory",
                          planned->technique->id);
     return STRATA_OK;
