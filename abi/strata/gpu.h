@@ -131,6 +131,8 @@ typedef struct strata_bind {
 #define STRATA_BLEND_MAX 6u
 #define STRATA_BLEND_FOLD 7u /* s.rgb + s.a d.rgb; alpha: d.a * s.a; (C, T) elements, far to near */
 
+/* All attachments of a pass have one size and as many layers. A clear reaches every layer; fragments
+ * land in layer 0. */
 typedef struct strata_attachment {
     uint32_t struct_size;
     strata_image image;

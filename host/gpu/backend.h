@@ -20,8 +20,10 @@
 #define GPU_ACCESS_DEPTH         128u /* attachment, tested and written */
 #define GPU_ACCESS_COPY_READ     256u
 #define GPU_ACCESS_COPY_WRITE    512u
+#define GPU_ACCESS_NATIVE        1024u /* a native pass: any access, in any stage */
 #define GPU_ACCESS_WRITES                                                                          \
-    (GPU_ACCESS_STORAGE_WRITE | GPU_ACCESS_COLOR | GPU_ACCESS_DEPTH | GPU_ACCESS_COPY_WRITE)
+    (GPU_ACCESS_STORAGE_WRITE | GPU_ACCESS_COLOR | GPU_ACCESS_DEPTH | GPU_ACCESS_COPY_WRITE |      \
+     GPU_ACCESS_NATIVE)
 
 #define GPU_STAGE_VERTEX   1u
 #define GPU_STAGE_FRAGMENT 2u
@@ -72,7 +74,9 @@ typedef struct gpu_native_bind {
 
 typedef struct gpu_native_pass {
     const strata_pass *pass; /* params, groups, tests, blend, attachments' load, clear, masks */
-    void *program;
+    void *program; /* NULL: a native pass, whose call stands in place of draw or dispatch */
+    gpu_native_fn call;
+    void *user; /* first argument of call */
     const gpu_native_bind *binds;
     uint32_t bind_count;
     const gpu_barrier *barriers;
@@ -141,6 +145,12 @@ typedef struct gpu_backend {
                         uint32_t barrier_count);
     /* Submits and waits. ms[i] of the pass with timed == i + 1, < 0 when unmeasured. */
     strata_result (*submit)(void *self, double *ms, uint32_t timing_count, base_error *err);
+
+    /* What a native pass works on: a handle of the backend's API, 0 where it has none of this kind.
+     * `native` is the buffer or image; NULL for the device's own objects. */
+    uint64_t (*native_handle)(void *self, void *native, gpu_native_kind kind);
+    /* A function of that API, or NULL. `self` may be NULL on OpenGL. */
+    void *(*get_proc)(void *self, const char *name);
 
     /* NULL-terminated text; null backend only, else NULL. */
     const char *(*log)(void *self);

@@ -41,7 +41,7 @@ typedef struct gpu_scope gpu_scope;
     X(BIND_TWICE, "a name is bound twice")                                                         \
     X(PARAMS_SIZE, "params_size differs from the program's parameter block")                       \
     X(ATTACHMENT_MISSING, "a pass that draws needs an attachment or a size")                       \
-    X(ATTACHMENT_SIZE, "attachments differ in size")                                               \
+    X(ATTACHMENT_SIZE, "attachments differ in size or layers")                                     \
     X(ATTACHMENT_HAZARD, "an attachment is also bound for reading or writing")                     \
     X(OUTPUT_TYPE, "the program writes no output of this attachment's type")                       \
     X(OPAQUE_WRITES, "storage is written beside an opaque colour output")                          \
@@ -165,6 +165,35 @@ strata_result gpu_image_write(gpu *g, strata_image image, uint32_t layer, uint32
                               uint32_t width, uint32_t height, const void *texels, base_error *err);
 uint32_t gpu_format_bytes(uint32_t format); /* bytes a texel, 0 for unknown */
 strata_result gpu_image_size(const gpu *g, strata_image image, uint32_t *width, uint32_t *height);
+
+/* ---- native passes and objects: what stands behind strata/ext/ ----------------------------------
+ */
+typedef enum gpu_native_kind {
+    GPU_NATIVE_INSTANCE, /* Vulkan: of the device; the others of an object */
+    GPU_NATIVE_PHYSICAL_DEVICE,
+    GPU_NATIVE_DEVICE,
+    GPU_NATIVE_BUFFER,
+    GPU_NATIVE_IMAGE,
+    GPU_NATIVE_VIEW /* of an image: Vulkan only */
+} gpu_native_kind;
+
+/* `handle`: OpenGL: the name of a framebuffer object; Vulkan: the VkCommandBuffer; null: 0. */
+typedef void (*gpu_native_fn)(void *user, uint64_t handle);
+
+/* Of the pass, label, binds, attachments' images, width and height count. Everything bound or
+ * attached is taken as read and written by any stage; pools bring their planes and counter. `call`
+ * is made once, before this returns, unless the frame has failed. */
+void gpu_pass_native(gpu *g, const char *owner, const strata_pass *pass, gpu_native_fn call,
+                     void *user);
+/* 0 for unknown handles, and for what the backend does not have. */
+uint64_t gpu_native_object(const gpu *g, gpu_native_kind kind);
+uint64_t gpu_native_buffer(const gpu *g, strata_buffer buffer);
+uint64_t gpu_native_image(const gpu *g, strata_image image, gpu_native_kind kind);
+/* Plane number `plane`; the counter is the one after the last. */
+uint64_t gpu_native_pool(const gpu *g, strata_pool pool, uint32_t plane);
+/* A function of the backend's API, NULL where there is none. */
+void *gpu_native_proc(const gpu *g, const char *name);
+void *gpu_native_proc_gl(const char *name); /* OpenGL's, of no particular device */
 
 /* ---- pools ------------------------------------------------------------------------------------
  */

@@ -139,30 +139,36 @@ static int bind_pool(bind_context *c, gpu_object *object) {
     return 1;
 }
 
-static gpu_object *find_bound(bind_context *c, const strata_bind *bind, const char *name) {
+static gpu_object *find_bound(gpu *g, const strata_bind *bind, const char *name) {
     gpu_code code = GPU_ERROR_NONE;
     int set = (bind->buffer.id != 0) + (bind->image.id != 0) + (bind->pool.id != 0);
     gpu_object *object = NULL;
     if (set != 1)
         code = GPU_ERROR_BIND_KIND;
     else if (bind->buffer.id)
-        object = gpu_object_find(c->g, bind->buffer.id, GPU_BUFFER, &code);
+        object = gpu_object_find(g, bind->buffer.id, GPU_BUFFER, &code);
     else if (bind->image.id)
-        object = gpu_object_find(c->g, bind->image.id, GPU_IMAGE, &code);
+        object = gpu_object_find(g, bind->image.id, GPU_IMAGE, &code);
     else
-        object = gpu_object_find(c->g, bind->pool.id, GPU_POOL, &code);
+        object = gpu_object_find(g, bind->pool.id, GPU_POOL, &code);
     if (!object)
-        gpu_record_fail(c->g, code, "'%s'", name);
+        gpu_record_fail(g, code, "'%s'", name);
     return object;
 }
 
-static int bind_own(bind_context *c, const strata_bind *bind, uint32_t number) {
+/* What one bind of the pass names, and how messages call it. */
+static gpu_object *find_own(gpu *g, const strata_bind *bind, uint32_t number, const char **name) {
     if (bind->pool.id == 0 && (!bind->name || !bind->name[0])) {
-        gpu_record_fail(c->g, GPU_ERROR_VALUE, "bind %u has no name", number);
-        return 0;
+        gpu_record_fail(g, GPU_ERROR_VALUE, "bind %u has no name", number);
+        return NULL;
     }
-    const char *name = bind->pool.id ? "pool" : bind->name;
-    gpu_object *object = find_bound(c, bind, name);
+    *name = bind->pool.id ? "pool" : bind->name;
+    return find_bound(g, bind, *name);
+}
+
+static int bind_own(bind_context *c, const strata_bind *bind, uint32_t number) {
+    const char *name = NULL;
+    gpu_object *object = find_own(c->g, bind, number, &name);
     if (!object)
         return 0;
     if (object->kind == GPU_POOL) {
@@ -199,7 +205,7 @@ static int bind_global(bind_context *c, int index) {
     for (const gpu_global *global = c->g->globals; global; global = global->next) {
         if (strcmp(global->name, binding->name) != 0)
             continue;
-        gpu_object *object = find_bound(c, &global->bind, global->name);
+        gpu_object *object = find_bound(c->g, &global->bind, global->name);
         if (!object)
             return 0;
         if (object->kind == GPU_BUFFER)
@@ -213,16 +219,22 @@ static int bind_global(bind_context *c, int index) {
     return 0;
 }
 
-int gpu_bind_resolve(gpu *g, const strata_pass *pass, const gpu_object *program,
-                     gpu_resolved *out) {
-    bind_context c = {
-        .g = g, .program = program->program, .program_label = program->label, .out = out};
-    out->count = out->pool_count = out->uses.count = 0;
+static int check_binds(gpu *g, const strata_pass *pass) {
     if (pass->bind_count && (!pass->binds || pass->bind_count > 2 * GPU_MAX_BINDINGS ||
                              (pass->bind_stride && pass->bind_stride < sizeof(strata_bind)))) {
         gpu_record_fail(g, GPU_ERROR_VALUE, "%u binds", pass->bind_count);
         return 0;
     }
+    return 1;
+}
+
+int gpu_bind_resolve(gpu *g, const strata_pass *pass, const gpu_object *program,
+                     gpu_resolved *out) {
+    bind_context c = {
+        .g = g, .program = program->program, .program_label = program->label, .out = out};
+    out->count = out->pool_count = out->uses.count = 0;
+    if (!check_binds(g, pass))
+        return 0;
     for (uint32_t i = 0; i < pass->bind_count; i++) {
         strata_bind bind;
         if (!take_bind(g, pass, i, &bind) || !bind_own(&c, &bind, i))
@@ -232,5 +244,62 @@ int gpu_bind_resolve(gpu *g, const strata_pass *pass, const gpu_object *program,
         if (!c.bound[i] && c.program->bindings[i].kind != GPU_BINDING_PARAMS &&
             !bind_global(&c, (int)i))
             return 0;
+    return 1;
+}
+
+/* ---- native passes: names are for messages alone --------------------------------------------- */
+
+static int use_native(gpu *g, gpu_resolved *out, gpu_storage *storage, const char *name) {
+    if (!storage) {
+        gpu_record_fail(g, GPU_ERROR_MEMORY, "'%s'", name);
+        return 0;
+    }
+    if (out->uses.count == GPU_MAX_BINDINGS) {
+        gpu_record_fail(g, GPU_ERROR_VALUE, "'%s': more than %u resources", name, GPU_MAX_BINDINGS);
+        return 0;
+    }
+    gpu_uses_add(&out->uses, storage, GPU_ACCESS_NATIVE, 0);
+    return 1;
+}
+
+static int use_native_pool(gpu *g, gpu_resolved *out, gpu_object *object) {
+    const gpu_pool_state *pool = &object->pool;
+    for (uint32_t i = 0; i < pool->plane_count; i++)
+        if (!use_native(g, out, pool->planes[i]->buffer.storage, pool->names[i]))
+            return 0;
+    if (!use_native(g, out, pool->counter->buffer.storage, pool->counter_name))
+        return 0;
+    if (out->pool_count < GPU_MAX_BINDINGS)
+        out->pools[out->pool_count++] = object;
+    return 1;
+}
+
+static int use_native_bind(gpu *g, gpu_resolved *out, const strata_bind *bind, uint32_t number) {
+    const char *name = NULL;
+    gpu_object *object = find_own(g, bind, number, &name);
+    if (!object)
+        return 0;
+    if (object->kind == GPU_POOL)
+        return use_native_pool(g, out, object);
+    if (object->kind == GPU_IMAGE)
+        return use_native(g, out, object->image.storage, name);
+    if (bind->offset > object->buffer.size || bind->size > object->buffer.size - bind->offset) {
+        gpu_record_fail(g, GPU_ERROR_BUFFER_RANGE, "'%s': buffer '%s' of %llu bytes, %llu at %llu",
+                        name, object->label, (unsigned long long)object->buffer.size,
+                        (unsigned long long)bind->size, (unsigned long long)bind->offset);
+        return 0;
+    }
+    return use_native(g, out, object->buffer.storage, name);
+}
+
+int gpu_bind_native(gpu *g, const strata_pass *pass, gpu_resolved *out) {
+    out->count = out->pool_count = out->uses.count = 0;
+    if (!check_binds(g, pass))
+        return 0;
+    for (uint32_t i = 0; i < pass->bind_count; i++) {
+        strata_bind bind;
+        if (!take_bind(g, pass, i, &bind) || !use_native_bind(g, out, &bind, i))
+            return 0;
+    }
     return 1;
 }

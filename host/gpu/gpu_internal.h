@@ -246,6 +246,8 @@ typedef struct gpu_resolved { /* the binds of a pass */
 
 /* Resolves the pass's binds against the program; reports into the frame, returns 0 on failure. */
 int gpu_bind_resolve(gpu *g, const strata_pass *pass, const gpu_object *program, gpu_resolved *out);
+/* The same for a native pass: no program, so only uses and pools are filled. */
+int gpu_bind_native(gpu *g, const strata_pass *pass, gpu_resolved *out);
 
 /* ---- gpu_record.c -----------------------------------------------------------------------------
  */

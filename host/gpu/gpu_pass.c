@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * One pass: everything in it is checked here, once for all backends, then its objects are resolved,
- * its barriers derived, and the backend records it.
+ * its barriers derived, and the backend records it. A native pass runs a callback in place of a
+ * program.
  */
 #include "gpu/gpu_internal.h"
 
@@ -18,6 +19,7 @@ typedef struct pass_context {
     gpu_native_pass native;
     gpu_resolved resolved;
     gpu_uses attachments;
+    uint32_t layers; /* of every attachment; 0: none yet */
 } pass_context;
 
 /* ---- attachments ---------------------------------------------------------------------------- */
@@ -27,7 +29,7 @@ static int fail(pass_context *c, gpu_code code, const char *what) {
     return 0;
 }
 
-/* Finds the image; all attachments have one size, and none is there twice. */
+/* Finds the image; all attachments have one size and as many layers, and none is there twice. */
 static gpu_object *attach(pass_context *c, const strata_attachment *attachment, const char *name,
                           uint32_t access) {
     gpu_code code;
@@ -38,7 +40,7 @@ static gpu_object *attach(pass_context *c, const strata_attachment *attachment, 
     }
     const gpu_image_state *image = &object->image;
     if (attachment->load > STRATA_LOAD_DISCARD || attachment->blend > STRATA_BLEND_FOLD ||
-        attachment->mask_off > 15 || image->layers > 1) {
+        attachment->mask_off > 15) {
         gpu_record_fail(c->g, GPU_ERROR_VALUE, "%s: image '%s'", name, object->label);
         return NULL;
     }
@@ -46,6 +48,12 @@ static gpu_object *attach(pass_context *c, const strata_attachment *attachment, 
         gpu_record_fail(c->g, GPU_ERROR_ATTACHMENT_SIZE, "%s: image '%s' of %ux%u beside %ux%u",
                         name, object->label, image->width, image->height, c->native.width,
                         c->native.height);
+        return NULL;
+    }
+    const uint32_t layers = image->layers ? image->layers : 1;
+    if (c->layers && c->layers != layers) {
+        gpu_record_fail(c->g, GPU_ERROR_ATTACHMENT_SIZE, "%s: image '%s' of %u layers beside %u",
+                        name, object->label, layers, c->layers);
         return NULL;
     }
     for (uint32_t i = 0; i < c->attachments.count; i++)
@@ -56,7 +64,8 @@ static gpu_object *attach(pass_context *c, const strata_attachment *attachment, 
         }
     c->native.width = image->width;
     c->native.height = image->height;
-    gpu_uses_add(&c->attachments, image->storage, access, 0);
+    c->layers = layers;
+    gpu_uses_add(&c->attachments, image->storage, c->native.call ? GPU_ACCESS_NATIVE : access, 0);
     return object;
 }
 
@@ -81,7 +90,7 @@ static int take_color(pass_context *c) {
             (gpu_format_is_integer(format) && c->color[i].blend != STRATA_BLEND_NONE))
             return fail(c, GPU_ERROR_IMAGE_FORMAT, name);
         gpu_output wanted = gpu_format_is_integer(format) ? GPU_OUTPUT_UINT : GPU_OUTPUT_FLOAT;
-        if (c->color[i].mask_off != 15 && c->program->program->outputs[i] != wanted)
+        if (c->program && c->color[i].mask_off != 15 && c->program->program->outputs[i] != wanted)
             return fail(c, GPU_ERROR_OUTPUT_TYPE, name);
         c->native.color[i] = object->image.storage->native;
     }
@@ -302,6 +311,24 @@ static uint32_t begin_timing(pass_context *c) {
     return (uint32_t)(g->timing_count - g->timing_submitted);
 }
 
+/* The callback decides what is drawn and how: only what orders the pass is kept of it. */
+static int take_native(pass_context *c) {
+    const strata_pass given = c->pass;
+    c->pass = (strata_pass){.struct_size = sizeof c->pass,
+                            .label = c->label,
+                            .binds = given.binds,
+                            .bind_count = given.bind_count,
+                            .bind_stride = given.bind_stride,
+                            .color = given.color,
+                            .color_count = given.color_count,
+                            .color_stride = given.color_stride,
+                            .depth = given.depth,
+                            .width = given.width,
+                            .height = given.height};
+    return gpu_bind_native(c->g, &c->pass, &c->resolved) && take_color(c) && take_depth(c) &&
+           take_target(c);
+}
+
 static int take_pass(pass_context *c, const strata_pass *given) {
     base_error failure = {0};
     if (gpu_take(c->g, &failure, given, &c->pass, sizeof c->pass, "strata_pass") != STRATA_OK)
@@ -310,6 +337,8 @@ static int take_pass(pass_context *c, const strata_pass *given) {
         return fail(c, GPU_ERROR_LABEL_MISSING, "strata_pass");
     snprintf(c->label, sizeof c->label, "%s", c->pass.label);
     c->g->where_label = c->pass.label = c->label;
+    if (c->native.call)
+        return take_native(c);
     if (!take_program(c) || !check_params(c))
         return 0;
     if (!gpu_bind_resolve(c->g, &c->pass, c->program, &c->resolved))
@@ -349,9 +378,10 @@ static void record_by_clock(pass_context *c) {
     g->timings[g->timing_count - 1].gpu_ms = base_now_ms() - start;
 }
 
-void gpu_pass(gpu *g, const char *owner, const strata_pass *given) {
+static void make_pass(gpu *g, const char *owner, const strata_pass *given, gpu_native_fn call,
+                      void *user) {
     double start = base_now_ms();
-    pass_context c = {.g = g};
+    pass_context c = {.g = g, .native = {.call = call, .user = user}};
     if (!gpu_recording(g, owner, given && given->struct_size >= sizeof *given ? given->label : ""))
         return;
     if (!take_pass(&c, given)) {
@@ -359,7 +389,7 @@ void gpu_pass(gpu *g, const char *owner, const strata_pass *given) {
         return;
     }
     uint32_t number = begin_timing(&c);
-    int is_compute = c.program->program->kind == STRATA_PROGRAM_COMPUTE;
+    int is_compute = c.program && c.program->program->kind == STRATA_PROGRAM_COMPUTE;
     int works = number && (!is_compute || c.pass.groups[0] || c.native.indirect);
     c.native.timed = g->profile && !g->clock_passes ? number : 0;
     if (works && g->clock_passes)
@@ -369,4 +399,16 @@ void gpu_pass(gpu *g, const char *owner, const strata_pass *given) {
     if (number)
         g->timings[g->timing_count - 1].cpu_ms = base_now_ms() - start;
     g->where_label = "";
+}
+
+void gpu_pass(gpu *g, const char *owner, const strata_pass *given) {
+    make_pass(g, owner, given, NULL, NULL);
+}
+
+void gpu_pass_native(gpu *g, const char *owner, const strata_pass *given, gpu_native_fn call,
+                     void *user) {
+    if (call)
+        make_pass(g, owner, given, call, user);
+    else if (gpu_recording(g, owner, "native"))
+        gpu_record_fail(g, GPU_ERROR_VALUE, "no callback");
 }

@@ -94,8 +94,6 @@ static void test_values(void **state) {
     w->attachment.load = 7;
     refused(w, &w->draw, GPU_ERROR_VALUE, "colour attachment 0");
     w->attachment.load = 0;
-    w->attachment.image = w->layered;
-    refused(w, &w->draw, GPU_ERROR_VALUE, "layered");
     w->binds[2].name = NULL;
     refused(w, &w->dispatch, GPU_ERROR_VALUE, "bind 2");
     failed(w, gpu_set_define(w->f.g, "two words", "1", &w->f.err), GPU_ERROR_VALUE, "two words");
@@ -277,6 +275,8 @@ static void test_attachments(void **state) {
     w->draw.color = two;
     w->draw.color_count = 2;
     refused(w, &w->draw, GPU_ERROR_ATTACHMENT_SIZE, "small");
+    two[1].image = w->layered;
+    refused(w, &w->draw, GPU_ERROR_ATTACHMENT_SIZE, "layered");
     two[1].image = w->color;
     refused(w, &w->draw, GPU_ERROR_ATTACHMENT_HAZARD, "colour attachment 1");
     two[1].image = w->depth;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The OpenGL device: choosing it by index or name, its limits and features, the state that never
- * changes, what the driver complains about, and the backend's table.
+ * The OpenGL device: choosing it by index or name, its limits and features, what the driver
+ * complains about, and the backend's table.
  */
 #include "gpu/gl/gl_internal.h"
 
@@ -125,16 +125,8 @@ static strata_result state_init(gl *g, base_error *err) {
     g->ring_alignment = (uint32_t)integer_of(g, GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT);
     if (g->ring_alignment < 16)
         g->ring_alignment = 16;
-    fn->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    fn->ProvokingVertex(GL_FIRST_VERTEX_CONVENTION);
-    fn->FrontFace(GL_CCW);
-    fn->Disable(GL_DITHER);
-    fn->Disable(GL_MULTISAMPLE);
-    fn->Enable(GL_SCISSOR_TEST);
-    fn->PixelStorei(GL_PACK_ALIGNMENT, 1);
-    fn->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
     fn->CreateVertexArrays(1, &g->vertex_array);
-    fn->BindVertexArray(g->vertex_array);
+    gl_state_set(g);
     return gl_report(g, STRATA_OK, "start-up", err);
 }
 
@@ -240,5 +232,7 @@ const gpu_backend gpu_backend_gl = {
     .copy = gl_copy,
     .clear_image = gl_clear_image,
     .submit = gl_submit,
+    .native_handle = gl_native_handle,
+    .get_proc = gl_get_proc,
     .log = gl_log,
 };

@@ -16,6 +16,7 @@
     X(BINDBUFFERRANGE, BindBufferRange)                                                            \
     X(BINDFRAMEBUFFER, BindFramebuffer)                                                            \
     X(BINDIMAGETEXTURE, BindImageTexture)                                                          \
+    X(BINDSAMPLERS, BindSamplers)                                                                  \
     X(BINDTEXTUREUNIT, BindTextureUnit)                                                            \
     X(BINDVERTEXARRAY, BindVertexArray)                                                            \
     X(BLENDEQUATIONI, BlendEquationi)                                                              \
@@ -48,6 +49,7 @@
     X(DELETETEXTURES, DeleteTextures)                                                              \
     X(DEPTHFUNC, DepthFunc)                                                                        \
     X(DEPTHMASK, DepthMask)                                                                        \
+    X(DEPTHRANGEF, DepthRangef)                                                                    \
     X(DETACHSHADER, DetachShader)                                                                  \
     X(DISABLE, Disable)                                                                            \
     X(DISABLEI, Disablei)                                                                          \
@@ -85,6 +87,7 @@
     X(NAMEDFRAMEBUFFERTEXTURELAYER, NamedFramebufferTextureLayer)                                  \
     X(OBJECTLABEL, ObjectLabel)                                                                    \
     X(PIXELSTOREI, PixelStorei)                                                                    \
+    X(POLYGONMODE, PolygonMode)                                                                    \
     X(PROVOKINGVERTEX, ProvokingVertex)                                                            \
     X(SCISSOR, Scissor)                                                                            \
     X(SHADERBINARY, ShaderBinary)                                                                  \

@@ -160,6 +160,14 @@ void gl_copy(void *self, void *to, uint64_t to_offset, void *from, uint64_t from
 void gl_clear_image(void *self, void *image, const float value[4], const gpu_barrier *barriers,
                     uint32_t barrier_count);
 
+/* gl_native.c: native passes and objects. */
+
+/* The state that passes do not set themselves, whatever it was before. */
+void gl_state_set(gl *g);
+void gl_native_run(gl *g, const gpu_native_pass *pass);
+uint64_t gl_native_handle(void *self, void *native, gpu_native_kind kind);
+void *gl_get_proc(void *self, const char *name);
+
 /* gl_submit.c: from begin to submit. */
 void gl_begin(void *self);
 /* Whether recording may go on: begins it where it has not begun; 0 after a failure. */

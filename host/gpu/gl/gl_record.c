@@ -13,6 +13,8 @@
  */
 static GLbitfield access_bits(uint32_t access, uint32_t is_image) {
     GLbitfield bits = 0;
+    if (access & GPU_ACCESS_NATIVE)
+        return GL_ALL_BARRIER_BITS;
     if (access & GPU_ACCESS_INDIRECT)
         bits |= GL_COMMAND_BARRIER_BIT;
     if (access & GPU_ACCESS_INDEX)
@@ -30,15 +32,17 @@ static GLbitfield access_bits(uint32_t access, uint32_t is_image) {
     return bits;
 }
 
-/* A dependency needs a barrier when one of its sides is a shader's access to storage: what such
- * writes wrote is to be seen, or what is about to be overwritten is to have been read. */
+/* A dependency needs a barrier when one of its sides is a shader's access to storage, as a native
+ * pass's may be: what such writes wrote is to be seen, or what is about to be overwritten is to
+ * have been read. */
 static void barriers_make(gl *g, const gpu_barrier *barriers, uint32_t count) {
     const uint32_t copies = GPU_ACCESS_COPY_READ | GPU_ACCESS_COPY_WRITE;
+    const uint32_t shaders = STORAGE_ACCESS | GPU_ACCESS_NATIVE;
     GLbitfield bits = 0;
     for (uint32_t i = 0; i < count; i++) {
         const gpu_barrier *barrier = &barriers[i];
-        if ((barrier->before & STORAGE_ACCESS) ||
-            ((barrier->after & STORAGE_ACCESS) && (barrier->before & ~copies)))
+        if ((barrier->before & shaders) ||
+            ((barrier->after & shaders) && (barrier->before & ~copies)))
             bits |= access_bits(barrier->after, barrier->is_image);
     }
     if (bits)
@@ -277,14 +281,8 @@ static void compute_pass(gl *g, const gpu_native_pass *native) {
     }
 }
 
-void gl_pass(void *self, const gpu_native_pass *native) {
-    gl *g = self;
+static void program_run(gl *g, const gpu_native_pass *native) {
     const gl_program *program = native->program;
-    if (!gl_recording(g))
-        return;
-    g->where = native->pass->label;
-    barriers_make(g, native->barriers, native->barrier_count);
-    gl_timer_begin(g, native->timed);
     g->fn.UseProgram(program->name);
     params_bind(g, program, native->pass);
     for (uint32_t i = 0; i < native->bind_count; i++)
@@ -293,6 +291,19 @@ void gl_pass(void *self, const gpu_native_pass *native) {
         compute_pass(g, native);
     else if (g->failure.result == STRATA_OK)
         raster_pass(g, native);
+}
+
+void gl_pass(void *self, const gpu_native_pass *native) {
+    gl *g = self;
+    if (!gl_recording(g))
+        return;
+    g->where = native->pass->label;
+    barriers_make(g, native->barriers, native->barrier_count);
+    gl_timer_begin(g, native->timed);
+    if (native->call)
+        gl_native_run(g, native);
+    else
+        program_run(g, native);
     gl_timer_end(g);
     g->where = NULL;
 }

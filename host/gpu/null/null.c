@@ -2,7 +2,7 @@
  *
  * The backend without a GPU: logs each call as one line, with labels and barriers, so that plans,
  * lifetimes and "nothing unrequested ran" are tested anywhere. Buffers and images are real memory:
- * writes, reads, fills, copies and clears work; passes do nothing.
+ * writes, reads, fills, copies and clears work; passes do nothing but call what native ones bring.
  */
 #include "gpu/backend.h"
 
@@ -35,6 +35,7 @@ static const struct {
     {GPU_ACCESS_DEPTH, "depth"},
     {GPU_ACCESS_COPY_READ, "copy-read"},
     {GPU_ACCESS_COPY_WRITE, "copy-write"},
+    {GPU_ACCESS_NATIVE, "native"},
 };
 
 /* ---- open and close ------------------------------------------------------------------------- */
@@ -160,6 +161,17 @@ static void null_program_destroy(void *self, void *native) {
     object_free(object);
 }
 
+/* No API stands behind this backend. */
+static uint64_t null_handle(void *self, void *native, gpu_native_kind kind) {
+    (void)self, (void)native, (void)kind;
+    return 0;
+}
+
+static void *null_proc(void *self, const char *name) {
+    (void)self, (void)name;
+    return NULL;
+}
+
 /* ---- host access ---------------------------------------------------------------------------- */
 
 static strata_result null_buffer_read(void *self, void *native, uint64_t offset, uint64_t size,
@@ -250,7 +262,12 @@ static void null_pass(void *self, const gpu_native_pass *native) {
     base_text *log = &device->log;
     const strata_pass *pass = native->pass;
     const null_object *program = native->program;
-    base_text_add(log, "pass %s program %s", pass->label, program->label);
+    if (native->call) {
+        base_text_add(log, "pass %s native", pass->label);
+        native->call(native->user, 0);
+    } else {
+        base_text_add(log, "pass %s program %s", pass->label, program->label);
+    }
     if (native->width)
         base_text_add(log, " %ux%u scissor %u,%u %ux%u", native->width, native->height,
                       native->scissor[0], native->scissor[1], native->scissor[2],
@@ -356,5 +373,7 @@ const gpu_backend gpu_backend_null = {
     .copy = null_copy,
     .clear_image = null_clear_image,
     .submit = null_submit,
+    .native_handle = null_handle,
+    .get_proc = null_proc,
     .log = null_log,
 };

@@ -254,4 +254,6 @@ const gpu_backend gpu_backend_vulkan = {.name = "vulkan",
                                         .copy = vk_copy,
                                         .clear_image = vk_clear_image,
                                         .submit = vk_submit,
+                                        .native_handle = vk_native_handle,
+                                        .get_proc = vk_get_proc,
                                         .log = no_log};

@@ -171,6 +171,10 @@ strata_result vk_image_read(void *self, void *native, uint32_t layer, void *texe
 strata_result vk_image_write(void *self, void *native, uint32_t layer, uint32_t x, uint32_t y,
                              uint32_t width, uint32_t height, const void *texels, base_error *err);
 
+/* vk_native.c */
+uint64_t vk_native_handle(void *self, void *native, gpu_native_kind kind);
+void *vk_get_proc(void *self, const char *name);
+
 /* vk_program.c */
 strata_result vk_program_create(void *self, const gpu_program_info *info, void **native,
                                 base_error *err);

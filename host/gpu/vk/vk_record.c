@@ -28,6 +28,9 @@ static vk_scope scope_of(uint32_t access, uint32_t stages) {
         uint32_t access;
         vk_scope scope;
     } rows[] = {
+        {GPU_ACCESS_NATIVE,
+         {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+          VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT}},
         {GPU_ACCESS_INDIRECT,
          {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT}},
         {GPU_ACCESS_INDEX, {VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT, VK_ACCESS_2_INDEX_READ_BIT}},
@@ -290,9 +293,8 @@ static void stamp(vk *v, VkCommandBuffer commands, uint32_t query) {
 void vk_pass(void *self, const gpu_native_pass *pass) {
     vk *v = self;
     const vk_program *program = pass->program;
-    const int compute = program->kind == STRATA_PROGRAM_COMPUTE;
     VkCommandBuffer commands = vk_frame_commands(v);
-    if (!commands || bind_program(v, commands, pass, &v->failure) != STRATA_OK)
+    if (!commands || (program && bind_program(v, commands, pass, &v->failure) != STRATA_OK))
         return;
     const VkDebugUtilsLabelEXT label = {.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
                                         .pLabelName = pass->pass->label};
@@ -302,7 +304,9 @@ void vk_pass(void *self, const gpu_native_pass *pass) {
     record_barriers(commands, pass->barriers, pass->barrier_count);
     if (timed)
         stamp(v, commands, 2 * v->timed_count);
-    if (compute)
+    if (!program)
+        pass->call(pass->user, (uint64_t)(uintptr_t)commands);
+    else if (program->kind == STRATA_PROGRAM_COMPUTE)
         dispatch(commands, pass);
     else
         draw(v, commands, pass);
