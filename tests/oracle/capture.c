@@ -68,6 +68,7 @@ void oracle_render(strata *s, strata_scene *sc, const oracle_case *c) {
                                                             : c->setting[0] ? 1
                                                                             : 0,
                                            .outputs = c->outputs,
+                                           .shuffle = c->shuffle,
                                            .background = {0.1f, 0.2f, 0.4f, 1.0f},
                                            .has_background = 1};
     if (strata_render(s, sc, &options) != STRATA_OK)

@@ -31,6 +31,7 @@ typedef struct oracle_case {
     const char *camera;     /* NULL: the scene's first, else an orbit */
     const char *setting[2]; /* "ID.KNOB=VALUE" or NULL */
     uint32_t outputs;       /* STRATA_OUTPUT_* beside colour */
+    uint32_t shuffle;       /* not 0: draws and triangles are submitted in another order */
 } oracle_case;
 
 /* The beginning of a case. */

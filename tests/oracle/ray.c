@@ -288,13 +288,17 @@ static double at_pixel(const double f[3], double x, double y) {
     return f[0] * x + f[1] * y + f[2];
 }
 
-/* How far the point that (x, y) shows may be moved on the screen, in pixels. */
+/* How far the point that (x, y) shows may be moved on the screen, in pixels: as a mean of what its
+ * corners are moved, so no more than the most of them; with corners behind the eye, whose shares
+ * may exceed 1, by their shares. */
 static double moved(const oracle_shape *s, const double b[3], double x, double y) {
-    double sum = 0;
-    for (int k = 0; k < 3; k++)
-        sum +=
-            fabs(b[k]) * (s->error[k][0] + s->error[k][1] + (fabs(x) + fabs(y)) * s->error[k][3]);
-    return GRID + sum + 4 * ORACLE_UNIT * s->reach;
+    double sum = 0, most = 0;
+    for (int k = 0; k < 3; k++) {
+        const double error = s->error[k][0] + s->error[k][1] + (fabs(x) + fabs(y)) * s->error[k][3];
+        sum += fabs(b[k]) * error;
+        most = fmax(most, error / s->corner[k][3]);
+    }
+    return GRID + (s->reach < GUARD_BAND ? most : sum) + 4 * ORACLE_UNIT * s->reach;
 }
 
 /* Position on a splat's disc. */

@@ -182,6 +182,24 @@ static void mirror(world *w) {
     camera(w, PERSPECTIVE("\"znear\":1,\"zfar\":16"), ",\"translation\":[0,0,4.5]");
 }
 
+/* Long ones through the whole image; every eighth is a line. */
+static void slivers(world *w) {
+    float corners[64 * 9];
+    for (unsigned i = 0; i < 64; i++) {
+        const double thick = i % 8 ? 0.0005 * i : 0, deep = between(w, 0.1, 1.5);
+        const double x0 = between(w, -1, 1), y0 = between(w, -1, 1), x1 = between(w, -1, 1),
+                     y1 = between(w, -1, 1);
+        const double triangle[9] = {
+            x0, y0, -deep, x1, y1, deep, (x0 + x1) / 2 + thick, (y0 + y1) / 2, 0};
+        for (int k = 0; k < 9; k++)
+            corners[i * 9 + (unsigned)k] = (float)triangle[k];
+    }
+    const uint32_t m = material(w, BLEND | DOUBLE, (const double[4]){0.9, 0.7, 0.3, 0.5});
+    node(w, "mesh", triangles(w, corners, 64, m, 0), "");
+    scatter(w, 2, SOLID | DOUBLE, 0.7, 0.5);
+    camera(w, PERSPECTIVE("\"znear\":0.5,\"zfar\":20"), ",\"translation\":[0,0,3]");
+}
+
 /* For 32 x 32 pixels: corners at every other pixel's centre, the diagonals through those between.
  */
 static void edges(world *w) {
@@ -230,9 +248,8 @@ unsigned char *oracle_scene_build(const char *name, size_t *size) {
     static const struct {
         const char *name;
         void (*build)(world *w);
-    } scenes[] = {{"crossing", crossing}, {"ties", ties},   {"inside", inside},
-                  {"mirror", mirror},     {"edges", edges}, {"bright", bright},
-                  {"opaque", opaque}};
+    } scenes[] = {{"crossing", crossing}, {"ties", ties},   {"inside", inside}, {"mirror", mirror},
+                  {"slivers", slivers},   {"edges", edges}, {"bright", bright}, {"opaque", opaque}};
     for (size_t i = 0; i < BASE_COUNT(scenes); i++)
         if (strcmp(scenes[i].name, name) == 0) {
             world w = {.random = 1};

@@ -44,20 +44,25 @@ static void check_verdict(const ray_case *k, const oracle_verdict *v) {
         assert_true((strcmp(k->needs, "seams") ? v->ties : v->seams) > 50);
 }
 
+static oracle_verdict cast_one(strata *s, strata_scene *sc, const ray_case *k) {
+    oracle_capture c;
+    oracle_verdict v;
+    oracle_capture_frame(s, sc, &k->render, &c);
+    oracle_judge(&c, &v);
+    check_verdict(k, &v);
+    if (k->each)
+        check_each(&c, k->each);
+    oracle_capture_free(&c);
+    return v;
+}
+
 static void cast_all(void **state, const ray_case *cases, size_t count) {
     strata *s = oracle_open(state);
     if (!s)
         skip();
     for (size_t i = 0; i < count; i++) {
         strata_scene *sc = oracle_scene(s, cases[i].render.scene);
-        oracle_capture c;
-        oracle_verdict v;
-        oracle_capture_frame(s, sc, &cases[i].render, &c);
-        oracle_judge(&c, &v);
-        check_verdict(&cases[i], &v);
-        if (cases[i].each)
-            check_each(&c, cases[i].each);
-        oracle_capture_free(&c);
+        cast_one(s, sc, &cases[i]);
         strata_scene_close(sc);
     }
     strata_close(s);
@@ -74,6 +79,8 @@ static void test_perspective(void **state) {
         {.render = {ORACLE_FRAME("scene:glass?detail=1&smoke=300", 96, 72)}, .open = 18},
         {.render = {ORACLE_FRAME("scene:particles?count=400&radius=0.08", 80, 80)}, .open = 4},
         {.render = {ORACLE_FRAME("scene:city?count=30&glass=0.6", 96, 64), .camera = "aerial"},
+         .open = 12},
+        {.render = {ORACLE_FRAME("scene:city?count=30&glass=0.6", 96, 64), .camera = "street"},
          .open = 12},
     };
     cast_all(state, cases, BASE_COUNT(cases));
@@ -119,20 +126,93 @@ static void test_geometry(void **state) {
         {.render = {ORACLE_FRAME("own:inside", 96, 96)}, .open = 4},
         {.render = {ORACLE_FRAME("own:inside", 96, 96), .camera = "1"}, .open = 6},
         {.render = {ORACLE_FRAME("own:mirror", 96, 96)}, .open = 4},
+        {.render = {ORACLE_FRAME("own:slivers", 96, 96)}, .open = 12},
         {.render = {ORACLE_FRAME("own:opaque", 48, 48)}, .open = 100},
     };
     cast_all(state, cases, BASE_COUNT(cases));
 }
 
-static void test_linked(void **state) {
+/* Numbers are the scene's, whatever the storage and the order of drawing. */
+static void test_numbers(void **state) {
     static const ray_case cases[] = {
-        {.render = {ORACLE_FRAME("own:crossing", 96, 96), .setting = {"abuffer.mode=linked"}},
-         .open = 4},
         {.render = {ORACLE_FRAME("own:ties", 64, 64), .setting = {"abuffer.mode=linked"}},
          .open = 2,
          .needs = "ties"},
+        {.render = {ORACLE_FRAME("own:ties", 64, 64), .shuffle = 5}, .open = 2, .needs = "ties"},
+        {.render = {ORACLE_FRAME("own:mirror", 96, 96), .shuffle = 9}, .open = 4},
+        {.render = {ORACLE_FRAME("scene:stack?count=100&merged=1", 64, 64), .shuffle = 2},
+         .open = 8,
+         .needs = "ties"},
     };
     cast_all(state, cases, BASE_COUNT(cases));
+}
+
+/* What is hidden keeps its numbers; what is moved is where it was moved to. */
+static void test_edits(void **state) {
+    static const float moved[16] = {0, 0.8f, 0,  0, -0.6f, 0,    0.1f, 0,
+                                    0, 0.1f, -1, 0, 0.3f,  0.4f, 0,    1};
+    const ray_case k = {.render = {ORACLE_FRAME("own:mirror", 96, 96)}, .open = 4};
+    strata *s = oracle_open(state);
+    if (!s)
+        skip();
+    strata_scene *sc = oracle_scene(s, k.render.scene);
+    const oracle_verdict before = cast_one(s, sc, &k);
+    assert_int_equal(strata_scene_set_visible(sc, 0, 0), STRATA_OK);
+    const oracle_verdict hidden = cast_one(s, sc, &k);
+    assert_true(hidden.judged + 100 < before.judged);
+    assert_int_equal(strata_scene_set_transform(sc, 3, moved), STRATA_OK);
+    const oracle_verdict after = cast_one(s, sc, &k);
+    assert_true(after.judged != hidden.judged);
+    strata_scene_close(sc);
+    strata_close(s);
+}
+
+/* ---- the oracle itself ----------------------------------------------------------------------- */
+
+static uint64_t wrongs(const oracle_capture *c) {
+    oracle_verdict v;
+    oracle_judge(c, &v);
+    return v.missing + v.surplus + v.misplaced + v.disordered + v.opaque_wrong + v.seam_wrong;
+}
+
+/* A pixel with an opaque surface and several records, the second at 0.75, which is exact. */
+static size_t find_pixel(const oracle_capture *c) {
+    for (size_t p = 0; p < (size_t)c->width * c->height; p++)
+        if (c->first[p + 1] - c->first[p] >= 3 && c->depth[p] != 0.0f &&
+            oracle_depth(&c->records[c->first[p] + 1]) == 0.75f)
+            return p;
+    fail_msg("there is no such pixel");
+    return 0;
+}
+
+/* One thing wrong in one pixel of a frame without open questions must be found. */
+static void test_power(void **state) {
+    enum { NOTHING, KEY, ORDER, NUMBER, TWICE, DEPTH, KINDS };
+    const oracle_case k = {ORACLE_FRAME("own:ties", 64, 64)};
+    strata *s = oracle_open(state);
+    if (!s)
+        skip();
+    strata_scene *sc = oracle_scene(s, k.scene);
+    oracle_capture c;
+    oracle_capture_frame(s, sc, &k, &c);
+    assert_int_equal(wrongs(&c), 0); /* and sorts */
+    const size_t p = find_pixel(&c);
+    oracle_record *r = &c.records[c.first[p]];
+    const oracle_record kept[3] = {r[0], r[1], r[2]};
+    const float depth = c.depth[p];
+    for (int kind = NOTHING; kind < KINDS; kind++) {
+        r[1].key += kind == KEY ? 1 : 0;
+        r[1].key -= kind == ORDER ? 0x00400000u : 0;
+        r[1].order -= kind == NUMBER ? 1 : 0;
+        r[1] = kind == TWICE ? r[0] : r[1];
+        c.depth[p] = kind == DEPTH ? depth * 0.999999f : depth;
+        if ((wrongs(&c) > 0) != (kind != NOTHING))
+            fail_msg("kind %d of wrong records", kind);
+        memcpy(r, kept, sizeof kept);
+    }
+    oracle_capture_free(&c);
+    strata_scene_close(sc);
+    strata_close(s);
 }
 
 #define ON_EACH(test)                                                                              \
@@ -143,7 +223,8 @@ static void test_linked(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         ON_EACH(test_perspective), ON_EACH(test_orthographic), ON_EACH(test_equal_depths),
-        ON_EACH(test_geometry),    ON_EACH(test_linked),
+        ON_EACH(test_geometry),    ON_EACH(test_numbers),      ON_EACH(test_edits),
+        ON_EACH(test_power),
     };
     return cmocka_run_group_tests_name("oracle_ray", tests, NULL, NULL);
 }
