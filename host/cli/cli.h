@@ -93,7 +93,8 @@ int cli_parse_whole(const char *text, uint64_t low, uint64_t high, uint64_t *out
 /* ---- progress and interruption (progress.c)
  * ------------------------------------------------------ */
 
-void cli_catch_interrupt(void); /* the first SIGINT asks to stop, the second ends the program */
+/* The first SIGINT, SIGTERM or SIGHUP asks to stop, the second ends the program. */
+void cli_catch_interrupt(void);
 int cli_interrupted(void);
 strata_result cli_progress(void *user, double done); /* for strata_render_options.progress */
 void cli_progress_end(void);                         /* clears the bar */

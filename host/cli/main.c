@@ -5,6 +5,7 @@
 #include "cli/cli.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -81,6 +82,7 @@ static int run(const choice *c, int argc, char **argv) {
 
 int main(int argc, char **argv) {
     choice c = {0};
+    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error like a full disk */
     argp_err_exit_status = CLI_USAGE;
     argp_program_version_hook = print_version;
     if (argp_parse(&argp, argc, argv, ARGP_IN_ORDER, NULL, &c) != 0 || !c.verb)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Interruption and progress: SIGINT makes the progress callback ask the library to stop, which then
- * ends with nothing half-written; a bar is drawn on stderr when that is a terminal.
+ * Interruption and progress: SIGINT, SIGTERM and SIGHUP make the progress callback ask the library
+ * to stop, which then ends with nothing half-written; a bar is drawn on stderr when that is a
+ * terminal.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/cli.h"
@@ -21,12 +22,13 @@ static void on_interrupt(int signal_number) {
 }
 
 void cli_catch_interrupt(void) {
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
     struct sigaction action = {.sa_handler = on_interrupt, .sa_flags = (int)SA_RESETHAND};
     struct sigaction old;
-    if (sigaction(SIGINT, NULL, &old) == 0 && old.sa_handler == SIG_IGN)
-        return; /* started in the background: stay deaf */
     sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
+        if (sigaction(signals[i], NULL, &old) == 0 && old.sa_handler != SIG_IGN)
+            sigaction(signals[i], &action, NULL); /* ignored, as in the background: stay deaf */
 }
 
 int cli_interrupted(void) {

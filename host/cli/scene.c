@@ -67,13 +67,16 @@ int cli_scene(int argc, char **argv) {
         return cli_fail(CLI_FAILED, "out of memory");
     if (argp_parse(&argp, argc, argv, 0, NULL, &r) != 0)
         status = CLI_USAGE;
+    cli_catch_interrupt();
     if (status == CLI_DONE)
         status = cli_check_output(r.output);
     if (status == CLI_DONE) {
         strata_result result = strata_open(NULL, &s);
         if (result == STRATA_OK)
             result = strata_scene_generate(s, r.name, r.knobs, r.knob_count, &scene);
-        if (result == STRATA_OK)
+        if (result == STRATA_OK && cli_interrupted())
+            status = cli_fail(CLI_FAILED, "stopped");
+        else if (result == STRATA_OK)
             result = strata_scene_save(scene, r.output);
         if (result != STRATA_OK)
             status = cli_fail_result(s, result);
