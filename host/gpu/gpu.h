@@ -180,9 +180,9 @@ typedef enum gpu_native_kind {
 /* `handle`: OpenGL: the name of a framebuffer object; Vulkan: the VkCommandBuffer; null: 0. */
 typedef void (*gpu_native_fn)(void *user, uint64_t handle);
 
-/* Of the pass, label, binds, attachments' images, width and height count. Everything bound or
- * attached is taken as read and written by any stage; pools bring their planes and counter. `call`
- * is made once, before this returns, unless the frame has failed. */
+/* Of the pass, label, binds, attachments' images, whole_frame, width and height count. Everything
+ * bound or attached is taken as read and written by any stage; pools bring their planes and
+ * counter. `call` is made once, before this returns, unless the frame has failed. */
 void gpu_pass_native(gpu *g, const char *owner, const strata_pass *pass, gpu_native_fn call,
                      void *user);
 /* 0 for unknown handles, and for what the backend does not have. */

@@ -323,6 +323,7 @@ static int take_native(pass_context *c) {
                             .color_count = given.color_count,
                             .color_stride = given.color_stride,
                             .depth = given.depth,
+                            .whole_frame = given.whole_frame,
                             .width = given.width,
                             .height = given.height};
     return gpu_bind_native(c->g, &c->pass, &c->resolved) && take_color(c) && take_depth(c) &&

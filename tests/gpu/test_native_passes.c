@@ -27,6 +27,10 @@ static const char *const consume = "layout(std430) readonly buffer Target { uint
                                    "    color = uvec4(target[at.y * 16u + at.x], at, 1u);\n"
                                    "}\n";
 
+static const char *const flat = "STRATA_PARAMS { vec4 color; } params;\n"
+                                "layout(location = 0) out vec4 color;\n"
+                                "void main() { color = params.color; }\n";
+
 static int open_gl(void **state) {
     *state = rig_open("gl");
     return 0;
@@ -241,12 +245,39 @@ static void wreck(rig *r, uint32_t framebuffer) {
     FN(PFNGLBINDFRAMEBUFFERPROC, "glBindFramebuffer")(GL_FRAMEBUFFER, framebuffer);
 }
 
+static void wreck_only(void *user, uint64_t framebuffer) {
+    wreck(user, (uint32_t)framebuffer);
+}
+
 static void state_in_ruins(void **state) {
     chain c = chain_make(rig_of(state));
     c.wreck = wreck;
     gpu_begin(c.r->g, SIZE, SIZE);
     chain_record(&c);
     chain_check(&c);
+
+    rig *r = c.r; /* culling knows front from back, and the rectangle cuts */
+    float texels[WORDS][4];
+    const float one[4] = {1, 1, 1, 1};
+    const strata_attachment color = {.struct_size = sizeof color,
+                                     .image =
+                                         rig_image(r, "cut", STRATA_FORMAT_RGBA32F, SIZE, SIZE, 0)};
+    const strata_pass own = {.struct_size = sizeof own, .label = "native"};
+    gpu_begin(r->g, SIZE, SIZE);
+    gpu_rectangle(r->g, 4, 2, 8, 8);
+    gpu_pass_native(r->g, "test", &own, wreck_only, r);
+    rig_pass(r, (strata_pass){.program = rig_program(r, STRATA_PROGRAM_FULLSCREEN, flat),
+                              .params = one,
+                              .params_size = 16,
+                              .color = &color,
+                              .color_count = 1,
+                              .cull = 1});
+    rig_submit(r);
+    rig_texels(r, color.image, 0, texels, sizeof texels);
+    for (uint32_t i = 0; i < WORDS; i++) {
+        const int inside = i % SIZE >= 4 && i % SIZE < 12 && i / SIZE >= 2 && i / SIZE < 10;
+        assert_true(texels[i][0] == (inside ? 1.0f : 0.0f));
+    }
 }
 
 static void draw_gl(void *user, uint64_t framebuffer) {
@@ -264,17 +295,29 @@ static void draw_gl(void *user, uint64_t framebuffer) {
 static void framebuffer_of_the_pass(void **state) {
     rig *r = rig_of(state);
     float texels[WORDS][4];
-    const strata_image image = rig_image(r, "image", STRATA_FORMAT_RGBA32F, SIZE, SIZE, 0);
-    const strata_attachment color = {
+    strata_image image = rig_image(r, "image", STRATA_FORMAT_RGBA32F, SIZE, SIZE, 0);
+    strata_attachment color = {
         .struct_size = sizeof color, .image = image, .load = STRATA_LOAD_CLEAR, .clear = {1}};
-    const strata_pass pass = {
+    strata_pass pass = {
         .struct_size = sizeof pass, .label = "native", .color = &color, .color_count = 1};
-    gpu_begin(r->g, SIZE, SIZE);
+    for (uint32_t rows = 4; rows <= SIZE; rows += SIZE - 4) {
+        gpu_begin(r->g, SIZE, SIZE);
+        gpu_rectangle(r->g, 0, 0, SIZE, rows);
+        gpu_pass_native(r->g, "test", &pass, draw_gl, r);
+        rig_submit(r);
+        rig_texels(r, image, 0, texels, sizeof texels);
+        for (uint32_t i = 0; i < WORDS; i++)
+            assert_true(texels[i][0] == 0 && texels[i][2] == (i < rows * SIZE ? 1.0f : 0.0f));
+    }
+    pass.whole_frame = 1;
+    image = rig_image(r, "image", STRATA_FORMAT_RGBA32F, SIZE, SIZE, 0);
+    color.image = image;
+    gpu_rectangle(r->g, 0, 0, 1, 1);
     gpu_pass_native(r->g, "test", &pass, draw_gl, r);
     rig_submit(r);
     rig_texels(r, image, 0, texels, sizeof texels);
     for (uint32_t i = 0; i < WORDS; i++)
-        assert_true(texels[i][0] == 0 && texels[i][2] == 1 && texels[i][3] == 1);
+        assert_true(texels[i][2] == 1);
 }
 
 static void mistake_gl(void *user, uint64_t framebuffer) {
@@ -283,18 +326,25 @@ static void mistake_gl(void *user, uint64_t framebuffer) {
     FN(PFNGLENABLEPROC, "glEnable")(0xffffu);
 }
 
+/* With the driver's validation, and without it. */
 static void error_names_the_pass(void **state) {
-    rig *r = rig_of(state);
-    base_error err = {0};
     const strata_pass pass = {.struct_size = sizeof pass, .label = "mistaken"};
-    gpu_begin(r->g, SIZE, SIZE);
-    gpu_pass_native(r->g, "test", &pass, mistake_gl, r);
-    assert_int_equal(gpu_submit(r->g, &err), STRATA_ERROR_INTERNAL);
-    assert_non_null(strstr(err.text, "mistaken"));
-    chain c = chain_make(r); /* and the next frame is as good as ever */
-    gpu_begin(r->g, SIZE, SIZE);
-    chain_record(&c);
-    chain_check(&c);
+    base_error err = {0};
+    rig *checked = rig_of(state), unchecked = {.backend = "gl"};
+    assert_int_equal(gpu_open(&(gpu_open_info){.backend = "gl"}, &unchecked.g, &err), STRATA_OK);
+    unchecked.scope = gpu_scope_create(unchecked.g, "test");
+    for (int i = 0; i < 2; i++) {
+        rig *r = i ? checked : &unchecked;
+        gpu_begin(r->g, SIZE, SIZE);
+        gpu_pass_native(r->g, "test", &pass, mistake_gl, r);
+        assert_int_equal(gpu_submit(r->g, &err), STRATA_ERROR_INTERNAL);
+        assert_non_null(strstr(err.text, "mistaken"));
+        chain c = chain_make(r); /* and the next frame is as good as ever */
+        gpu_begin(r->g, SIZE, SIZE);
+        chain_record(&c);
+        chain_check(&c);
+    }
+    gpu_close(unchecked.g);
 }
 
 int main(void) {

@@ -18,9 +18,11 @@ extern "C" {
  *
  * Called by the host while it executes the declared pass, with the context current (OpenGL 4.5 core
  * or later). `framebuffer` is the name of an object with the pass's attachments in their order, or
- * without any and of the pass's size; it is not bound, belongs to the host and stays as it is.
- * The callback leaves GL state as it found it, does not swap, flush or finish, and keeps what it
- * draws inside the band's rectangle. A GL error that it causes fails the frame. */
+ * without any and of the pass's size; it belongs to the host and stays as it is. The callback finds
+ * it bound for drawing, the viewport over all of it, the scissor on the band's rectangle (on all
+ * of it with whole_frame), masks open, tests, blending and culling off, depth from 0 to 1. It
+ * leaves GL state as it found it, does not swap, flush or finish, and keeps what it draws inside the
+ * scissor. A GL error that it causes fails the frame. */
 typedef void (*strata_gl_fn)(void *user, uint32_t framebuffer);
 
 typedef struct strata_ext_gl {
@@ -35,7 +37,7 @@ typedef struct strata_ext_gl {
     uint32_t (*image_name)(void *gpu_self, strata_image image);
     /* record() only: declares a pass whose binds and attachments order it among the others, and runs
      * `record` in its place. pass->program is ignored, as is all but label, binds, the attachments'
-     * images, width and height: clears, blending and masks are the callback's. All that is bound or
+     * images, whole_frame, width and height: clears, blending and masks are the callback's. All that is bound or
      * attached counts as read and written; the names of binds appear in messages only, and the
      * callback touches no object of the host that is not there. The host has made what was written
      * before visible, and makes visible afterwards what `record` writes. `record` is called once,

@@ -49,6 +49,22 @@ void gl_state_set(gl *g) {
     fn->BindVertexArray(g->vertex_array);
 }
 
+/* What a callback finds: ready to draw into the pass's target, inside its scissor. */
+static void state_open(gl *g, GLuint target, const gpu_native_pass *pass) {
+    static const GLenum off[] = {GL_DEPTH_TEST, GL_STENCIL_TEST, GL_CULL_FACE, GL_BLEND};
+    const gl_functions *fn = &g->fn;
+    for (size_t i = 0; i < BASE_COUNT(off); i++)
+        fn->Disable(off[i]);
+    for (GLuint i = 0; i < GPU_GL_MAX_COLORS; i++)
+        fn->ColorMaski(i, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    fn->DepthMask(GL_TRUE);
+    fn->StencilMask(0xffu);
+    fn->BindFramebuffer(GL_DRAW_FRAMEBUFFER, target);
+    fn->Viewport(0, 0, (GLsizei)pass->width, (GLsizei)pass->height);
+    fn->Scissor((GLint)pass->scissor[0], (GLint)pass->scissor[1], (GLsizei)pass->scissor[2],
+                (GLsizei)pass->scissor[3]);
+}
+
 /* Barriers on both sides: llvmpipe's scene is flushed, as in gl_record.c, whatever is drawn. */
 void gl_native_run(gl *g, const gpu_native_pass *pass) {
     const GLbitfield storage = GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT;
@@ -60,6 +76,7 @@ void gl_native_run(gl *g, const gpu_native_pass *pass) {
     g->writing_target = 0;
     if (gl_report(g, g->failure.result, "recording", &g->failure) != STRATA_OK)
         return;
+    state_open(g, target, pass);
     pass->call(pass->user, target);
     g->fn.MemoryBarrier(storage);
     gl_report(g, g->failure.result, pass->pass->label, &g->failure);
