@@ -117,8 +117,8 @@ static EGLContext context_make(EGLDisplay display, int check, int robust) {
 
 typedef void (*any_function)(void);
 
-/* eglGetProcAddress may answer with a stub for a name that the driver lacks, so what is optional is
- * asked for by version and extension beforehand. */
+/* eglGetProcAddress may answer with a function that does nothing for a name that the driver lacks,
+ * so what is optional is asked for by version and extension beforehand. */
 static int functions_load(gl_functions *fn, int core_46) {
     static const struct {
         const char *name;
