@@ -214,7 +214,7 @@ void gpu_close(gpu *g) {
     free_texts(g->defines);
     free_globals(g->globals);
     free_owners(g->owners);
-    free(g->objects);
+    free(g->slots);
     free(g->timings);
     free(g->cache_dir);
     free(g->device_name);

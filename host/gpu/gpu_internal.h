@@ -139,6 +139,12 @@ typedef struct gpu_global {
     strata_bind bind;
 } gpu_global;
 
+/* An id is a slot's number, from 1, below the count of the objects that the slot has held. */
+typedef struct gpu_slot {
+    gpu_object *object; /* NULL when the last one is gone */
+    uint32_t generation, next_free;
+} gpu_slot;
+
 typedef enum gpu_inject { GPU_INJECT_NONE, GPU_INJECT_ALLOCATION, GPU_INJECT_LOST } gpu_inject;
 
 struct gpu {
@@ -148,8 +154,9 @@ struct gpu {
     char *cache_dir, *device_name; /* as given to gpu_open, or NULL */
     int profile, clock_passes;     /* clock: the driver's own times are not sound */
 
-    gpu_object **objects; /* by id - 1; NULL where the object is gone */
-    size_t object_count, object_capacity;
+    gpu_slot *slots; /* of objects, see gpu_objects.c */
+    size_t slot_count, slot_capacity;
+    uint32_t free_slot; /* its number, 0 = none */
     gpu_owner *owners;
     uint64_t bytes, peak; /* of all owners */
     gpu_scope *scopes;

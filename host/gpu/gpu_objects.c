@@ -42,6 +42,42 @@ gpu_scope *gpu_scope_create(gpu *g, const char *owner_name) {
     return scope;
 }
 
+/* ---- slots: taken again and again, while ids are never --------------------------------------- */
+
+#define SLOT_BITS       20u
+#define SLOTS           (1u << SLOT_BITS)
+#define LAST_GENERATION (UINT32_MAX >> SLOT_BITS)
+
+/* The object's new id, 0: no memory. */
+static uint32_t take_slot(gpu *g, gpu_object *object) {
+    uint32_t number = g->free_slot;
+    if (number) {
+        gpu_slot *slot = &g->slots[number - 1];
+        g->free_slot = slot->next_free;
+        slot->generation++;
+    } else {
+        gpu_slot *slots = base_grow(g->slots, &g->slot_capacity, g->slot_count, sizeof *slots);
+        g->slots = slots ? slots : g->slots;
+        if (!slots || g->slot_count + 1 == SLOTS)
+            return 0;
+        slots[g->slot_count++] = (gpu_slot){0};
+        number = (uint32_t)g->slot_count;
+    }
+    g->slots[number - 1].object = object;
+    return g->slots[number - 1].generation << SLOT_BITS | number;
+}
+
+/* A slot that has run out of generations is not used again. */
+static void release_slot(gpu *g, uint32_t id) {
+    const uint32_t number = id & (SLOTS - 1);
+    gpu_slot *slot = &g->slots[number - 1];
+    slot->object = NULL;
+    if (slot->generation < LAST_GENERATION) {
+        slot->next_free = g->free_slot;
+        g->free_slot = number;
+    }
+}
+
 static void end_object(gpu *g, gpu_object *object) {
     switch (object->kind) {
     case GPU_BUFFER:
@@ -57,7 +93,7 @@ static void end_object(gpu *g, gpu_object *object) {
     case GPU_DRAWS:
         break;
     }
-    g->objects[object->id - 1] = NULL;
+    release_slot(g, object->id);
     free(object);
 }
 
@@ -102,18 +138,15 @@ strata_result gpu_creation(gpu *g, const char *label, base_error *err) {
 }
 
 gpu_object *gpu_object_new(gpu_scope *scope, gpu_kind kind, const char *label) {
-    gpu *g = scope->device;
-    gpu_object **objects =
-        base_grow(g->objects, &g->object_capacity, g->object_count, sizeof *objects);
-    if (!objects)
-        return NULL;
-    g->objects = objects;
-    gpu_object *object = g->object_count < UINT32_MAX ? base_calloc(1, sizeof *object) : NULL;
+    gpu_object *object = base_calloc(1, sizeof *object);
     if (!object)
         return NULL;
-    g->objects[g->object_count++] = object;
+    object->id = take_slot(scope->device, object);
+    if (!object->id) {
+        free(object);
+        return NULL;
+    }
     object->kind = kind;
-    object->id = (uint32_t)g->object_count;
     object->scope = scope;
     object->next = scope->objects;
     scope->objects = object;
@@ -128,9 +161,11 @@ void gpu_object_drop(gpu *g, gpu_object *object) {
 
 gpu_object *gpu_object_find(const gpu *g, uint32_t id, gpu_kind kind, gpu_code *code) {
     *code = GPU_ERROR_HANDLE_UNKNOWN;
-    if (id == 0 || id > g->object_count)
+    const uint32_t number = id & (SLOTS - 1);
+    if (number == 0 || number > g->slot_count || id >> SLOT_BITS > g->slots[number - 1].generation)
         return NULL;
-    gpu_object *object = g->objects[id - 1];
+    const gpu_slot *slot = &g->slots[number - 1];
+    gpu_object *object = id >> SLOT_BITS == slot->generation ? slot->object : NULL;
     if (!object)
         *code = GPU_ERROR_HANDLE_DEAD;
     return object && object->kind == kind ? object : NULL;

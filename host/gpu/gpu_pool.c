@@ -222,9 +222,9 @@ strata_result gpu_pool_grow(gpu *g, strata_pool pool, uint64_t capacity, base_er
 /* ---- frames --------------------------------------------------------------------------------- */
 
 void gpu_pools_begin(gpu *g) {
-    for (size_t i = 0; i < g->object_count; i++)
-        if (g->objects[i] && g->objects[i]->kind == GPU_POOL)
-            g->objects[i]->pool.fresh = 1;
+    for (size_t i = 0; i < g->slot_count; i++)
+        if (g->slots[i].object && g->slots[i].object->kind == GPU_POOL)
+            g->slots[i].object->pool.fresh = 1;
 }
 
 void gpu_pool_refresh(gpu *g, gpu_object *object) {

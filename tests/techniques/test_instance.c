@@ -203,8 +203,8 @@ static void frames(strata *s, strata_scene *sc, uint32_t count) {
 
 static size_t live_objects(const gpu *g) {
     size_t live = 0;
-    for (size_t i = 0; i < g->object_count; ++i)
-        live += g->objects[i] != NULL;
+    for (size_t i = 0; i < g->slot_count; ++i)
+        live += g->slots[i].object != NULL;
     return live;
 }
 
@@ -217,10 +217,11 @@ static void frames_take_no_more_memory(void **state) {
         strata_scene *sc = load(s, path);
         frames(s, sc, 20);
         const uint64_t bytes = gpu_bytes(s->gpu, NULL);
-        const size_t objects = live_objects(s->gpu);
+        const size_t objects = live_objects(s->gpu), slots = s->gpu->slot_count;
         frames(s, sc, 200);
         assert_int_equal(gpu_bytes(s->gpu, NULL), bytes);
         assert_int_equal(live_objects(s->gpu), objects);
+        assert_int_equal(s->gpu->slot_count, slots);
         strata_scene_close(sc);
         assert_int_equal(gpu_bytes(s->gpu, "scene"), 0);
         assert_int_equal(gpu_bytes(s->gpu, "host"), 0);

@@ -45,6 +45,10 @@ static void test_handles(void **state) {
     gpu_scope_end(scope);
     w->binds[0].buffer = dead;
     refused(w, &w->dispatch, GPU_ERROR_HANDLE_DEAD, "Values");
+    strata_buffer next; /* may have the dead one's place, but not its id */
+    assert_int_equal(gpu_buffer_create(w->f.scope, &desc, &next, &w->f.err), STRATA_OK);
+    assert_int_not_equal(next.id, dead.id);
+    refused(w, &w->dispatch, GPU_ERROR_HANDLE_DEAD, "Values");
     w->binds[0].buffer = (strata_buffer){9999};
     refused(w, &w->dispatch, GPU_ERROR_HANDLE_UNKNOWN, "Values");
     w->binds[0].buffer = (strata_buffer){w->color.id}; /* an image */
