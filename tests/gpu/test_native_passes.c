@@ -256,27 +256,34 @@ static void state_in_ruins(void **state) {
     chain_record(&c);
     chain_check(&c);
 
-    rig *r = c.r; /* culling knows front from back, and the rectangle cuts */
-    float texels[WORDS][4];
+    rig *r = c.r; /* culling knows front from back, depth its range, and the rectangle cuts */
+    float texels[WORDS][4], depths[WORDS];
     const float one[4] = {1, 1, 1, 1};
-    const strata_attachment color = {.struct_size = sizeof color,
-                                     .image =
-                                         rig_image(r, "cut", STRATA_FORMAT_RGBA32F, SIZE, SIZE, 0)};
+    const strata_image cut = rig_image(r, "cut", STRATA_FORMAT_RGBA32F, SIZE, SIZE, 0),
+                       deep = rig_image(r, "depth", STRATA_FORMAT_D32F, SIZE, SIZE, 0);
+    const strata_attachment color = {.struct_size = sizeof color, .image = cut};
+    const strata_attachment depth = {
+        .struct_size = sizeof depth, .image = deep, .load = STRATA_LOAD_CLEAR, .clear = {0.25f}};
     const strata_pass own = {.struct_size = sizeof own, .label = "native"};
+    const strata_program program = rig_program(r, STRATA_PROGRAM_FULLSCREEN, flat);
     gpu_begin(r->g, SIZE, SIZE);
     gpu_rectangle(r->g, 4, 2, 8, 8);
     gpu_pass_native(r->g, "test", &own, wreck_only, r);
-    rig_pass(r, (strata_pass){.program = rig_program(r, STRATA_PROGRAM_FULLSCREEN, flat),
+    rig_pass(r, (strata_pass){.program = program,
                               .params = one,
                               .params_size = 16,
                               .color = &color,
                               .color_count = 1,
+                              .depth = &depth,
+                              .depth_write = 1,
                               .cull = 1});
     rig_submit(r);
-    rig_texels(r, color.image, 0, texels, sizeof texels);
+    rig_texels(r, deep, 0, depths, sizeof depths);
+    rig_texels(r, cut, 0, texels, sizeof texels);
     for (uint32_t i = 0; i < WORDS; i++) {
         const int inside = i % SIZE >= 4 && i % SIZE < 12 && i / SIZE >= 2 && i / SIZE < 10;
         assert_true(texels[i][0] == (inside ? 1.0f : 0.0f));
+        assert_true(depths[i] == (inside ? 0.0f : 0.25f)); /* the far plane */
     }
 }
 
@@ -303,6 +310,7 @@ static void framebuffer_of_the_pass(void **state) {
     for (uint32_t rows = 4; rows <= SIZE; rows += SIZE - 4) {
         gpu_begin(r->g, SIZE, SIZE);
         gpu_rectangle(r->g, 0, 0, SIZE, rows);
+        gpu_pass_native(r->g, "test", &pass, wreck_only, r);
         gpu_pass_native(r->g, "test", &pass, draw_gl, r);
         rig_submit(r);
         rig_texels(r, image, 0, texels, sizeof texels);
