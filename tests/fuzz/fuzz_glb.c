@@ -2,11 +2,12 @@
  *
  * Damages GLB files and loads them, in this process: no crash, no hang, and what loads can be moved
  * in time. fuzz_glb [COUNT [SEED [FILE.glb...]]] with its own seeds and further files; the same
- * SEED gives the same damage everywhere. Built with STRATA_LIBFUZZER it is a libFuzzer target
+ * SEED gives the same damage everywhere. With FUZZ_BACKEND=null|gl|vulkan what loads is rendered
+ * too. Built with STRATA_LIBFUZZER it is a libFuzzer target
  * instead.
  */
 #define _POSIX_C_SOURCE 200809L
-#include "scene/scene.h"
+#include "render/render.h"
 #include "scenes/glb.h"
 
 #include <fcntl.h>
@@ -45,6 +46,22 @@ static void inspect(const scene *s) {
     }
 }
 
+static strata *renderer; /* NULL: nothing is rendered */
+
+/* A small picture, or a line that says why not; ends the scene. */
+static void render_once(scene *s) {
+    const strata_render_options options = {
+        .struct_size = sizeof options, .width = 24, .height = 16};
+    strata_scene *owned = calloc(1, sizeof *owned);
+    if (!owned)
+        abort();
+    *owned = (strata_scene){.owner = renderer, .scene = s};
+    strata_result r = strata_render(renderer, owned, &options);
+    if (r != STRATA_OK && (r > 0 || !strata_error(renderer)[0]))
+        abort();
+    strata_scene_close(owned);
+}
+
 /* 1: loaded, 0: refused with a line of text. */
 static int load_once(const unsigned char *data, size_t size) {
     static const double times[] = {0.0, 0.35, 1e9};
@@ -61,7 +78,10 @@ static int load_once(const unsigned char *data, size_t size) {
         scene_set_time(s, times[i], &err);
         inspect(s);
     }
-    scene_free(s);
+    if (renderer)
+        render_once(s);
+    else
+        scene_free(s);
     return 1;
 }
 
@@ -114,7 +134,7 @@ static seed seed_materials(void) {
     test_glb_accessor(&g, test_glb_view(&g, colors, 16, 4), TEST_GLB_U8, "VEC4", 4,
                       ",\"normalized\":true");
     test_glb_png(&png, 8, 8, tint);
-    uint32_t image = test_glb_view(&g, png.data, png.length, 0);
+    uint32_t picture = test_glb_view(&g, png.data, png.length, 0);
     base_text_free(&png);
     test_glb_json(
         &g,
@@ -138,7 +158,7 @@ static seed seed_materials(void) {
                   "\"textures\":[{\"source\":0,\"sampler\":0}],\"samplers\":[{\"magFilter\":9728,"
                   "\"minFilter\":9987,\"wrapS\":33071,\"wrapT\":33648}],"
                   "\"images\":[{\"bufferView\":%u,\"mimeType\":\"image/png\"}]",
-                  image);
+                  picture);
     test_glb_json(
         &g, "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.8,\"znear\":0.1}}],"
             "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"spot\","
@@ -437,6 +457,10 @@ int main(int argc, char **argv) {
     seeds[2] = seed_accessors();
     for (uint32_t i = 3; i < seed_count; i++)
         seeds[i] = read_seed(argv[i]);
+    const strata_open_options options = {.struct_size = sizeof options,
+                                         .backend = getenv("FUZZ_BACKEND")};
+    if (options.backend && strata_open(&options, &renderer) != STRATA_OK)
+        return 2;
     signal(SIGALRM, keep_and_die);
     signal(SIGABRT, keep_and_die);
     if (__sanitizer_set_death_callback)
@@ -465,6 +489,7 @@ int main(int argc, char **argv) {
     for (uint32_t i = 0; i < seed_count; i++)
         free(seeds[i].data);
     free(seeds);
+    strata_close(renderer);
     printf("%lu mutated files: %lu loaded, %lu refused, 0 crashed\n", count, loaded,
            count - loaded);
     return 0;
