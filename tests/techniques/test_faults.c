@@ -41,11 +41,15 @@ static strata_scene *load(strata *s, const char *path) {
     return sc;
 }
 
+static const char *used_mode; /* a setting for render, or NULL */
+
 static strata_result render(strata *s, strata_scene *sc) {
     return strata_render(s, sc,
                          &(strata_render_options){.struct_size = sizeof(strata_render_options),
                                                   .width = WIDTH,
                                                   .height = HEIGHT,
+                                                  .settings = &used_mode,
+                                                  .setting_count = used_mode != NULL,
                                                   .repeat = 2});
 }
 
@@ -204,12 +208,71 @@ static void short_memory_makes_bands(void **state) {
             less_and_less_memory(backends[b]);
 }
 
+/* ---- pools ----------------------------------------------------------------------------------- */
+
+/* Renders with this capacity of one pool; how often it was recorded again. */
+static uint32_t retries_with(strata *s, strata_scene *sc, strata_pool pool, uint64_t capacity,
+                             const picture *expected, const char *what) {
+    base_error err = {0};
+    assert_int_equal(gpu_pool_grow(s->gpu, pool, capacity, &err), STRATA_OK);
+    assert_int_equal(gpu_pool_capacity(s->gpu, pool), capacity);
+    if (render(s, sc) != STRATA_OK)
+        fail_msg("%s: %s", what, strata_error(s));
+    same_picture(s, expected, what);
+    assert_true(gpu_pool_capacity(s->gpu, pool) >= capacity);
+    return s->result.retries;
+}
+
+/* Every pool in use: exactly full is enough, one element fewer is found out, and so is nearly none.
+ * Returns how many pools were in use. */
+static unsigned spoil_pools(strata *s, strata_scene *sc, const picture *expected,
+                            const char *what) {
+    unsigned used = 0;
+    for (uint32_t i = 0; i < s->session->technique_count; ++i)
+        for (uint32_t p = 0; p < s->session->techniques[i].pool_count; ++p) {
+            const strata_pool pool = s->session->techniques[i].pools[p];
+            base_error err = {0};
+            uint64_t needed = 0;
+            assert_int_equal(gpu_pool_needed(s->gpu, pool, &needed, &err), STRATA_OK);
+            if (needed < 2)
+                continue;
+            assert_int_equal(retries_with(s, sc, pool, needed, expected, what), 0);
+            assert_int_equal(retries_with(s, sc, pool, needed - 1, expected, what), 1);
+            assert_true(retries_with(s, sc, pool, 1, expected, what) > 0);
+            ++used;
+        }
+    return used;
+}
+
+static void pools_are_full_or_short_by_one(void **state) {
+    static const char *const modes[] = {"abuffer.mode=contiguous", "abuffer.mode=linked"};
+    (void)state;
+    for (size_t b = 0; b < 2; ++b)
+        for (size_t m = 0; m < 2 && picture_instance(backends[b]); ++m) {
+            char what[64];
+            snprintf(what, sizeof what, "%s, %s", backends[b], modes[m]);
+            strata *s = open_with(backends[b], NULL, 0);
+            strata_scene *sc = load(s, "scene:stack?count=70");
+            used_mode = modes[m];
+            if (render(s, sc) != STRATA_OK)
+                fail_msg("%s: %s", what, strata_error(s));
+            picture expected = taken(s);
+            const unsigned used = spoil_pools(s, sc, &expected, what);
+            print_message("%s: %u pools in use\n", what, used);
+            assert_true(used >= 2); /* fragments, and what long pixels need */
+            used_mode = NULL;
+            picture_free(&expected);
+            strata_close(s);
+        }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(creations_fail_on_no_device),
         cmocka_unit_test(creations_fail_on_devices),
         cmocka_unit_test(a_lost_device_is_replaced),
         cmocka_unit_test(short_memory_makes_bands),
+        cmocka_unit_test(pools_are_full_or_short_by_one),
     };
     const int failed = cmocka_run_group_tests_name("faults", tests, NULL, NULL);
     picture_close();
