@@ -14,7 +14,7 @@ SETUP_BUILD="cmake ninja-build g++ gcc pkg-config glslang-dev spirv-tools libspi
     libcglm-dev libtinygltf-dev nlohmann-json3-dev libstb-dev libopenexr-dev libpng-dev libjansson-dev
     libvulkan-dev libegl-dev libgl-dev"
 SETUP_RUN="mesa-vulkan-drivers libegl1 libgl1-mesa-dri"
-SETUP_TEST="libcmocka-dev vulkan-validationlayers openimageio-tools binutils"
+SETUP_TEST="libcmocka-dev vulkan-validationlayers openimageio-tools binutils assimp-testmodels"
 SETUP_LOG=build/setup.log
 
 setup_say() {
