@@ -95,7 +95,8 @@ typedef struct strata_render_options {
     void *user;
 } strata_render_options;
 
-/* Renders. options NULL = defaults. The image stays with the instance until the next render.
+/* Renders a scene of this instance. options NULL = defaults. The image stays with the instance until
+ * the next render, also when the scene is closed.
  * PARTIAL: done, but less than was asked for; the account says what. */
 STRATA_EXPORT strata_result strata_render(strata *s, strata_scene *scene,
                                           const strata_render_options *options);
@@ -110,6 +111,7 @@ STRATA_EXPORT strata_result strata_save(strata *s, uint32_t output, const char *
 
 /* ---- text: JSON, one object, through a callback ----------------------------------------------- */
 
+/* Of the last render; INVALID_STATE before the first and when its scene was closed since. */
 STRATA_EXPORT strata_result strata_account(strata *s, strata_write_fn write, void *user);
 /* What the scene calls for, what would run, what would not, and why. options as for strata_render. */
 STRATA_EXPORT strata_result strata_plan(strata *s, strata_scene *scene,

@@ -40,6 +40,12 @@ char *base_format(const char *format, ...) __attribute__((format(printf, 1, 2)))
  * (possibly moved) array or NULL, in which case the old one is untouched. */
 void *base_grow(void *array, size_t *capacity, size_t count, size_t size);
 
+/* ---- structs of the ABI ---------------------------------------------------------------------
+ * Copies what both sides know of a struct that begins with its size into the `size` bytes at `out`,
+ * whose struct_size becomes `size`; what the caller's version lacks stays as it was. Returns 0, and
+ * copies nothing, when struct_size is not set or a part that this version does not know is not zero. */
+int base_take(void *out, size_t size, const void *given);
+
 /* ---- growing text --------------------------------------------------------------------------- */
 typedef struct base_text { /* zero-initialised = empty; free with base_text_free */
     char *data;            /* NUL-terminated once anything was added; NULL while empty */

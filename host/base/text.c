@@ -74,6 +74,22 @@ char *base_format(const char *format, ...) {
     return text;
 }
 
+#define LARGEST_STRUCT 65536u
+
+int base_take(void *out, size_t size, const void *given) {
+    const uint32_t known = (uint32_t)size;
+    uint32_t there;
+    memcpy(&there, given, sizeof there);
+    if (there < sizeof there || there > LARGEST_STRUCT)
+        return 0;
+    for (size_t i = size; i < there; ++i)
+        if (((const unsigned char *)given)[i])
+            return 0;
+    memcpy(out, given, there < size ? there : size);
+    memcpy(out, &known, sizeof known);
+    return 1;
+}
+
 void *base_grow(void *array, size_t *capacity, size_t count, size_t size) {
     if (array && count < *capacity)
         return array;

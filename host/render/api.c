@@ -48,12 +48,9 @@ strata_result strata_open(const strata_open_options *given, strata **out) {
     if (!out)
         return base_fail(&open_error, STRATA_ERROR_INVALID_ARGUMENT, "strata_open: out is NULL");
     *out = NULL;
-    if (given && given->struct_size < sizeof(uint32_t))
+    if (given && !base_take(&options, sizeof options, given))
         return base_fail(&open_error, STRATA_ERROR_INVALID_ARGUMENT,
-                         "strata_open: struct_size is not set");
-    if (given)
-        memcpy(&options, given,
-               given->struct_size < sizeof options ? given->struct_size : sizeof options);
+                         "strata_open: struct_size is not set, or options are of a later version");
     strata *s = base_calloc(1, sizeof *s);
     if (!s)
         return base_fail(&open_error, STRATA_ERROR_OUT_OF_HOST_MEMORY, "out of memory");
@@ -165,7 +162,6 @@ void strata_scene_close(strata_scene *sc) {
     if (s->session && s->session->scene == sc->scene) {
         render_session_free(s->session);
         s->session = NULL;
-        s->result.valid = 0;
     }
     for (strata_scene **at = &s->scenes; *at; at = &(*at)->next)
         if (*at == sc) {
@@ -212,7 +208,9 @@ static strata_result write_json(strata *s, json_t *object, strata_write_fn write
 strata_result strata_account(strata *s, strata_write_fn write, void *user) {
     s->error = (base_error){0};
     if (!s->result.valid || !s->session)
-        return base_fail(&s->error, STRATA_ERROR_INVALID_STATE, "nothing was rendered yet");
+        return base_fail(&s->error, STRATA_ERROR_INVALID_STATE, "%s",
+                         s->result.valid ? "the scene that was rendered is closed"
+                                         : "nothing was rendered yet");
     return write_json(s, render_account_json(s), write, user);
 }
 
@@ -331,7 +329,9 @@ strata_result strata_plan(strata *s, strata_scene *sc, const strata_render_optio
     plan *p = NULL;
     base_error no_device = {0};
     s->error = (base_error){0};
-    strata_result r = render_options(given, &options, &s->error);
+    strata_result r = render_own(s, sc, &s->error);
+    if (r == STRATA_OK)
+        r = render_options(given, &options, &s->error);
     if (r == STRATA_OK)
         render_device(s, &no_device); /* a plan without a device says so */
     if (r == STRATA_OK)

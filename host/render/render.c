@@ -11,15 +11,19 @@
 
 #define MAX_REPLANS 16u
 
+strata_result render_own(const strata *s, const strata_scene *sc, base_error *err) {
+    if (sc && sc->owner == s)
+        return STRATA_OK;
+    return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "%s",
+                     sc ? "the scene belongs to another instance" : "no scene is given");
+}
+
 strata_result render_options(const strata_render_options *given, strata_render_options *options,
                              base_error *err) {
     *options = (strata_render_options){.struct_size = sizeof *options};
-    if (given && given->struct_size < sizeof(uint32_t))
-        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "struct_size is not set");
-    if (given)
-        memcpy(options, given,
-               given->struct_size < sizeof *options ? given->struct_size : sizeof *options);
-    options->struct_size = sizeof *options;
+    if (given && !base_take(options, sizeof *options, given))
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
+                         "struct_size is not set, or options are of a later version");
     if (options->width == 0)
         options->width = 800;
     if (options->height == 0)
@@ -140,14 +144,11 @@ static int recoverable(strata *s, strata_result r, const char *failed, const bas
     base_error ignored = {0};
     if (r == STRATA_ERROR_DEVICE_LOST) {
         s->losses++;
-        if (s->losses > 1 && (!failed || render_exclude(s, failed,
-                                                        "the device was lost twice in its "
-                                                        "passes",
-                                                        &ignored) != STRATA_OK))
-            return 0;
-        if (s->losses == 1)
-            render_warn(s, "the device was lost and is replaced");
-        drop_device(s);
+        drop_device(s); /* also when this render is given up: the next one opens another */
+        if (++s->result.losses > 1)
+            return failed && render_exclude(s, failed, "the device was lost twice in its passes",
+                                            &ignored) == STRATA_OK;
+        render_warn(s, "the device was lost and is replaced");
         return 1;
     }
     if (!failed || r == STRATA_ERROR_CANCELLED || r == STRATA_ERROR_OUT_OF_HOST_MEMORY ||
@@ -173,7 +174,9 @@ strata_result strata_render(strata *s, strata_scene *sc, const strata_render_opt
     base_error err = {0};
     s->error = (base_error){0};
     render_result_clear(&s->result);
-    strata_result r = render_options(given, &options, &s->error);
+    strata_result r = render_own(s, sc, &s->error);
+    if (r == STRATA_OK)
+        r = render_options(given, &options, &s->error);
     if (r != STRATA_OK)
         return r;
     s->result.outputs = options.outputs | STRATA_OUTPUT_COLOR;

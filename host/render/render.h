@@ -64,8 +64,7 @@ typedef struct render_technique {
     gpu_scope *create_scope, *prepare_scope;
     gpu_scope *scope; /* where creation goes now; NULL: creation is not allowed */
     strata_pool pools[RENDER_MAX_POOLS];
-    char pool_labels[RENDER_MAX_POOLS][32];
-    uint64_t pool_capacity[RENDER_MAX_POOLS]; /* to begin with after the next prepare, by label */
+    uint64_t pool_capacity[RENDER_MAX_POOLS]; /* to begin with after the next prepare, in order */
     uint32_t pool_grown[RENDER_MAX_POOLS];    /* times */
     uint32_t pool_count;
     uint32_t pools_begin_small; /* at the next prepare: the frame was split */
@@ -143,6 +142,7 @@ typedef struct render_result {
     render_pass_time *passes;
     uint32_t pass_count;
     uint32_t retries, bands, stalls;
+    uint32_t losses; /* of the device */
     render_report report;
     char **warnings;
     uint32_t warning_count;
@@ -162,10 +162,12 @@ struct strata {
     plan_exclusion *exclusions; /* techniques that failed; texts owned */
     uint32_t exclusion_count;
     struct strata_scene *scenes;
-    uint32_t losses; /* of the device, so far */
+    uint32_t losses; /* of the device, in all renders */
 };
 
 /* ---- render.c -------------------------------------------------------------------------------- */
+/* INVALID_ARGUMENT unless the scene is one of the instance's. */
+strata_result render_own(const strata *s, const strata_scene *sc, base_error *err);
 /* Checked options with every default filled in. */
 strata_result render_options(const strata_render_options *given, strata_render_options *options,
                              base_error *err);
