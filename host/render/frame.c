@@ -150,28 +150,15 @@ static strata_result record_techniques(render_session *session, int opaque, uint
     return r == STRATA_OK ? gpu_submit(g, err) : r;
 }
 
-static strata_result record_opaque(render_session *session, const scene_view *view,
-                                   const strata_render_options *options, const char **failed,
-                                   base_error *err) {
-    gpu *g = session->owner->gpu;
-    const render_rect whole = {0, 0, session->width, session->height};
-    const float far[4] = {0, 0, 0, 0};
-    strata_result r = write_block(session, view, options, &whole, err);
-    if (r != STRATA_OK)
-        return r;
-    gpu_begin(g, session->width, session->height);
-    gpu_clear_image(g, "host", session->color, options->background);
-    gpu_clear_image(g, "host", session->depth, far);
-    r = record_techniques(session, 1, 0, failed, err);
-    return r == STRATA_OK ? render_account_passes(session->owner, err) : r;
-}
-
-static strata_result verify_band(render_session *session, uint32_t band, render_shortage *short_of,
-                                 int *again, const char **failed, base_error *err) {
+/* The techniques of one half of the frame, before the next gpu_begin makes their pools' counters
+ * void. */
+static strata_result verify_techniques(render_session *session, int opaque, uint32_t band,
+                                       render_shortage *short_of, int *again, const char **failed,
+                                       base_error *err) {
     gpu *g = session->owner->gpu;
     for (uint32_t i = 0; i < session->technique_count; ++i) {
         render_technique *t = &session->techniques[i];
-        if (is_opaque_stage(t) && band > 0)
+        if (is_opaque_stage(t) != opaque)
             continue;
         for (uint32_t p = 0; p < t->pool_count; ++p) {
             uint64_t needed = 0;
@@ -203,6 +190,24 @@ static strata_result verify_band(render_session *session, uint32_t band, render_
     return STRATA_OK;
 }
 
+static strata_result record_opaque(render_session *session, const scene_view *view,
+                                   const strata_render_options *options, render_shortage *short_of,
+                                   int *again, const char **failed, base_error *err) {
+    gpu *g = session->owner->gpu;
+    const render_rect whole = {0, 0, session->width, session->height};
+    const float far[4] = {0, 0, 0, 0};
+    strata_result r = write_block(session, view, options, &whole, err);
+    if (r != STRATA_OK)
+        return r;
+    gpu_begin(g, session->width, session->height);
+    gpu_clear_image(g, "host", session->color, options->background);
+    gpu_clear_image(g, "host", session->depth, far);
+    r = record_techniques(session, 1, 0, failed, err);
+    if (r == STRATA_OK)
+        r = verify_techniques(session, 1, 0, short_of, again, failed, err);
+    return r == STRATA_OK ? render_account_passes(session->owner, err) : r;
+}
+
 static strata_result record_bands(render_session *session, const scene_view *view,
                                   const strata_render_options *options, render_shortage *short_of,
                                   int *again, const char **failed, base_error *err) {
@@ -217,7 +222,7 @@ static strata_result record_bands(render_session *session, const scene_view *vie
         gpu_rectangle(g, rect->x, rect->y, rect->width, rect->height);
         r = record_techniques(session, 0, band, failed, err);
         if (r == STRATA_OK)
-            r = verify_band(session, band, short_of, again, failed, err);
+            r = verify_techniques(session, 0, band, short_of, again, failed, err);
         if (r == STRATA_OK)
             r = render_account_passes(s, err);
         if (r == STRATA_OK && (options->outputs & STRATA_OUTPUT_DEEP) && !*again)
@@ -254,7 +259,7 @@ strata_result render_frame(render_session *session, const scene_view *view,
         if (again)
             continue;
         if (r == STRATA_OK)
-            r = record_opaque(session, view, options, failed, err);
+            r = record_opaque(session, view, options, short_of, &again, failed, err);
         if (r == STRATA_OK && (options->outputs & STRATA_OUTPUT_DEEP))
             r = render_deep_begin(session, err);
         if (r == STRATA_OK)

@@ -110,12 +110,108 @@ static void every_render_may_lose_the_device(void **state) {
     strata_close(s);
 }
 
+/* ---- pools of the opaque half -----------------------------------------------------------------
+ */
+
+enum { NEEDED = 300000 };
+
+static const strata_glsl demanding = {
+    .text = "layout(local_size_x = 1) in;\n"
+            "layout(std430) buffer Demand { uint needed; uint capacity; };\n"
+            "layout(std430) writeonly buffer Values { uint values[]; };\n"
+            "void main() { needed = 300000u; values[0] = capacity; }\n",
+    .path = "demanding.comp.glsl"};
+
+/* The surface technique with a pool of its own. */
+static struct {
+    strata_technique table;
+    const strata_technique *surface;
+    const strata_gpu *gpu;
+    strata_program program;
+    strata_pool pool;
+    uint64_t seen; /* by verify() */
+    uint32_t verified;
+} opaque;
+
+static strata_result opaque_prepare(void *state, const strata_view *view) {
+    const strata_pool_desc pool = {.struct_size = sizeof pool,
+                                   .label = "values",
+                                   .plane_count = 1,
+                                   .counter_name = "Demand",
+                                   .plane_names = {"Values"},
+                                   .plane_strides = {4},
+                                   .expected = 16};
+    const strata_program_desc program = {.struct_size = sizeof program,
+                                         .kind = STRATA_PROGRAM_COMPUTE,
+                                         .label = "demand",
+                                         .source = &demanding};
+    strata_result r = opaque.surface->prepare(state, view);
+    if (r == STRATA_OK)
+        r = opaque.gpu->pool_create(opaque.gpu->self, &pool, &opaque.pool);
+    if (r == STRATA_OK)
+        r = opaque.gpu->program_create(opaque.gpu->self, &program, &opaque.program);
+    return r;
+}
+
+static void opaque_record(void *state, const strata_frame *frame) {
+    const strata_bind bind = {.struct_size = sizeof bind, .pool = opaque.pool};
+    opaque.surface->record(state, frame);
+    frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
+                                            .label = "demand",
+                                            .program = opaque.program,
+                                            .groups = {1},
+                                            .binds = &bind,
+                                            .bind_count = 1});
+}
+
+static strata_result opaque_verify(void *state, const strata_frame *frame) {
+    opaque.verified++;
+    opaque.seen = frame->needed(frame->self, opaque.pool);
+    return opaque.surface->verify ? opaque.surface->verify(state, frame) : STRATA_OK;
+}
+
+static void pools_of_opaque_techniques_grow(void **state) {
+    static const char *const backends[] = {"vulkan", "gl"};
+    strata_render_options banded = small;
+    banded.bands = 3;
+    (void)state;
+    for (size_t b = 0; b < BASE_COUNT(backends); ++b) {
+        strata *s = open_on(backends[b]);
+        strata_scene *sc = NULL;
+        assert_int_equal(strata_scene_load(s, "scene:city", &sc), STRATA_OK);
+        if (strata_render(s, sc, &banded) != STRATA_OK) {
+            print_message("%s: %s\n", backends[b], strata_error(s));
+            strata_close(s);
+            continue;
+        }
+        render_technique *t = &s->session->techniques[0];
+        assert_string_equal(t->technique->stage, "surface");
+        memset(&opaque, 0, sizeof opaque);
+        opaque.surface = t->technique;
+        opaque.table = *t->technique;
+        opaque.table.prepare = opaque_prepare;
+        opaque.table.record = opaque_record;
+        opaque.table.verify = opaque_verify;
+        opaque.gpu = &t->gpu;
+        t->technique = &opaque.table;
+        s->session->prepared = 0;
+        if (strata_render(s, sc, &banded) != STRATA_OK)
+            fail_msg("%s: %s", backends[b], strata_error(s));
+        assert_int_equal(opaque.seen, NEEDED);
+        assert_true(gpu_pool_capacity(s->gpu, opaque.pool) >= NEEDED);
+        assert_int_equal(opaque.verified,
+                         s->result.retries + 1); /* once a frame, not once a band */
+        strata_close(s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_image_outlives_its_scene),
         cmocka_unit_test(a_scene_of_another_instance_is_refused),
         cmocka_unit_test(unknown_options_are_refused),
         cmocka_unit_test(every_render_may_lose_the_device),
+        cmocka_unit_test(pools_of_opaque_techniques_grow),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
