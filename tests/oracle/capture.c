@@ -233,7 +233,8 @@ static int nearer(const void *a, const void *b) {
 }
 
 void oracle_sort(oracle_record *records, size_t count) {
-    qsort(records, count, sizeof *records, nearer);
+    if (count) /* none may have no memory at all */
+        qsort(records, count, sizeof *records, nearer);
 }
 
 float oracle_depth(const oracle_record *record) {

@@ -74,14 +74,14 @@ static void test_perspective(void **state) {
     static const ray_case cases[] = {
         {.render = {ORACLE_FRAME("scene:soup?small=1500&medium=150&depth=14", 96, 80)}, .open = 2},
         {.render = {ORACLE_FRAME("scene:shells?count=4&subdivision=2", 96, 96)},
-         .open = 8,
+         .open = 2,
          .needs = "seams"},
         {.render = {ORACLE_FRAME("scene:glass?detail=1&smoke=300", 96, 72)}, .open = 18},
         {.render = {ORACLE_FRAME("scene:particles?count=400&radius=0.08", 80, 80)}, .open = 4},
         {.render = {ORACLE_FRAME("scene:city?count=30&glass=0.6", 96, 64), .camera = "aerial"},
-         .open = 12},
+         .open = 4},
         {.render = {ORACLE_FRAME("scene:city?count=30&glass=0.6", 96, 64), .camera = "street"},
-         .open = 12},
+         .open = 4},
     };
     cast_all(state, cases, BASE_COUNT(cases));
 }
@@ -89,16 +89,16 @@ static void test_perspective(void **state) {
 static void test_orthographic(void **state) {
     static const ray_case cases[] = {
         {.render = {ORACLE_FRAME("scene:layers?count=1&width=31&height=23", 31, 23)},
-         .open = 20,
+         .open = 2,
          .each = 1},
         {.render = {ORACLE_FRAME("scene:layers?count=65&width=32&height=32", 32, 32)},
-         .open = 20,
+         .open = 8,
          .each = 65,
          .needs = "seams"},
         {.render = {ORACLE_FRAME("scene:layers?count=1500&width=12&height=8&opaque=1", 12, 8)},
-         .open = 40,
+         .open = 1,
          .each = 1500},
-        {.render = {ORACLE_FRAME("scene:stack?count=3&tilt=30", 64, 64)}, .open = 60},
+        {.render = {ORACLE_FRAME("scene:stack?count=3&tilt=30", 64, 64)}, .open = 4},
         {.render = {ORACLE_FRAME("own:edges", 32, 32)}, .open = 100, .each = 2, .needs = "seams"},
     };
     cast_all(state, cases, BASE_COUNT(cases));
@@ -127,7 +127,7 @@ static void test_geometry(void **state) {
         {.render = {ORACLE_FRAME("own:inside", 96, 96), .camera = "1"}, .open = 6},
         {.render = {ORACLE_FRAME("own:mirror", 96, 96)}, .open = 4},
         {.render = {ORACLE_FRAME("own:slivers", 96, 96)}, .open = 12},
-        {.render = {ORACLE_FRAME("own:opaque", 48, 48)}, .open = 100},
+        {.render = {ORACLE_FRAME("own:opaque", 48, 48)}},
     };
     cast_all(state, cases, BASE_COUNT(cases));
 }
