@@ -20,8 +20,8 @@
 #include <string.h>
 #include <unistd.h>
 
-typedef struct folder {
-    char path[64];
+typedef struct folder { /* in the build tree, so that a failure leaves its files to look at */
+    char path[1024];
 } folder;
 
 /* ---- files ----------------------------------------------------------------------------------- */
@@ -32,7 +32,7 @@ static void run(const char *command) {
 }
 
 static image read_image(const folder *f, const char *name) {
-    char path[128];
+    char path[1100];
     image im = {0};
     base_error err = {0};
     snprintf(path, sizeof path, "%s/%s.exr", f->path, name);
@@ -43,7 +43,7 @@ static image read_image(const folder *f, const char *name) {
 }
 
 static void save(strata *s, uint32_t output, const folder *f, const char *name) {
-    char path[128];
+    char path[1100];
     snprintf(path, sizeof path, "%s/%s.exr", f->path, name);
     if (strata_save(s, output, path) != STRATA_OK)
         fail_msg("%s", strata_error(s));
@@ -56,7 +56,7 @@ static void flatten(const folder *f, int colored, image out[4]) {
          "R=B,A=A --flatten --ch R=R,G=R,B=R,A=A", "A=A --flatten --ch R=A,G=A,B=A,A=A"},
         {"R=R,A=AR --flatten --ch R=R,G=R,B=R,A=A", "R=G,A=AG --flatten --ch R=R,G=R,B=R,A=A",
          "R=B,A=AB --flatten --ch R=R,G=R,B=R,A=A", "A=A --flatten --ch R=A,G=A,B=A,A=A"}};
-    char command[512];
+    char command[4096];
     for (int c = 0; c < 4; c++) {
         snprintf(command, sizeof command, "oiiotool %s/deep.exr --ch Z=Z,%s -o %s/flat.exr",
                  f->path, channels[colored][c], f->path);
@@ -146,8 +146,10 @@ static void test_flatten(void **state) {
         {ORACLE_FRAME("scene:layers?count=65&width=24&height=16", 24, 16)},
         {ORACLE_FRAME("own:ties", 64, 64), .setting = {"abuffer.mode=linked"}},
     };
-    folder f = {"/tmp/strata-outside-XXXXXX"};
-    char path[128];
+    const char *build = getenv("STRATA_TEST_BUILD");
+    folder f;
+    char path[1100];
+    base_error err = {0};
     if (system("command -v oiiotool >/dev/null 2>&1") != 0) {
         print_message("skipped: oiiotool is not installed\n");
         skip();
@@ -155,7 +157,8 @@ static void test_flatten(void **state) {
     strata *s = oracle_open(state);
     if (!s)
         skip();
-    assert_non_null(mkdtemp(f.path));
+    snprintf(f.path, sizeof f.path, "%s/tests/oracle_%s", build ? build : ".", s->backend);
+    assert_int_equal(base_make_folders(f.path, &err), STRATA_OK);
     for (size_t i = 0; i < BASE_COUNT(cases); i++)
         check_case(s, &f, &cases[i]);
     snprintf(path, sizeof path, "%s/deep.exr", f.path);
