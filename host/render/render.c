@@ -41,6 +41,15 @@ strata_result render_options(const strata_render_options *given, strata_render_o
     for (int i = 0; i < 4; ++i)
         if (!isfinite(options->background[i]))
             return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "background is not finite");
+    if (options->setting_count && !options->settings)
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "settings is NULL");
+    if (!(options->tolerance >= 0))
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
+                         "tolerance is negative or not a number");
+    if (options->outputs &
+        ~(STRATA_OUTPUT_COLOR | STRATA_OUTPUT_DEPTH | STRATA_OUTPUT_BOUND | STRATA_OUTPUT_DEEP))
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "outputs: 0x%x has unknown bits",
+                         options->outputs);
     if (options->samples > 1)
         return base_fail(err, STRATA_ERROR_UNSUPPORTED,
                          "samples: no installed technique filters sub-pixels");

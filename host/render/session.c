@@ -261,8 +261,8 @@ strata_result render_session_prepare(render_session *session, const char **faile
 
 strata_result render_bands(render_session *session, uint32_t count, base_error *err) {
     const uint32_t rows = count < session->height ? count : session->height;
-    uint32_t columns = (count + rows - 1) / rows;
-    columns = columns < session->width ? columns : session->width;
+    const uint64_t wanted = ((uint64_t)count + rows - 1) / rows;
+    const uint32_t columns = wanted < session->width ? (uint32_t)wanted : session->width;
     if ((uint64_t)rows * columns > RENDER_MAX_BANDS)
         return base_fail(err, STRATA_ERROR_OUT_OF_DEVICE_MEMORY,
                          "the frame would need more than %u bands", RENDER_MAX_BANDS);

@@ -3,6 +3,7 @@
  * strata/host.h and strata/frame.h held to their words: what an embedding program may keep, may not
  * mix, and finds after failures; that pools of opaque techniques are verified like all others.
  */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -92,6 +93,32 @@ static void unknown_options_are_refused(void **state) {
     assert_int_equal(strata_render(s, sc, &render.known), STRATA_ERROR_INVALID_ARGUMENT);
     render.later = 0;
     assert_int_equal(strata_render(s, sc, &render.known), STRATA_OK);
+    strata_close(s);
+}
+
+static void render_refused(strata *s, strata_scene *sc, const strata_render_options *options,
+                           const char *line) {
+    assert_true(strata_render(s, sc, options) < 0);
+    if (!strstr(strata_error(s), line))
+        fail_msg("'%s' instead of '%s'", strata_error(s), line);
+}
+
+static void senseless_options_are_refused(void **state) {
+    strata_render_options o = small;
+    (void)state;
+    strata *s = open_null();
+    strata_scene *sc = layers(s);
+    o.setting_count = 2;
+    render_refused(s, sc, &o, "settings");
+    o = small, o.tolerance = -1;
+    render_refused(s, sc, &o, "tolerance");
+    o = small, o.tolerance = (double)NAN;
+    render_refused(s, sc, &o, "tolerance");
+    o = small, o.outputs = 0x80;
+    render_refused(s, sc, &o, "outputs");
+    o = small, o.bands = UINT32_MAX; /* more than there are pixels: one each */
+    assert_int_equal(strata_render(s, sc, &o), STRATA_OK);
+    assert_int_equal(s->session->band_count, WIDTH * HEIGHT);
     strata_close(s);
 }
 
@@ -210,6 +237,7 @@ int main(void) {
         cmocka_unit_test(the_image_outlives_its_scene),
         cmocka_unit_test(a_scene_of_another_instance_is_refused),
         cmocka_unit_test(unknown_options_are_refused),
+        cmocka_unit_test(senseless_options_are_refused),
         cmocka_unit_test(every_render_may_lose_the_device),
         cmocka_unit_test(pools_of_opaque_techniques_grow),
     };
