@@ -131,7 +131,9 @@ static strata_result prepare(void *state, const strata_view *view) {
 }
 
 static void record_count(const abuffer *a, const strata_frame *frame) {
-    const uint32_t groups = tiles(frame->band_width, frame->band_height);
+    const uint32_t tile_count = tiles(frame->band_width, frame->band_height);
+    uint32_t groups[3]; /* one a tile */
+    strata_groups((uint64_t)tile_count * 64, groups);
     const strata_bind count = {
         .struct_size = sizeof count, .name = "count_image", .image = a->count};
     const strata_bind sums = {.struct_size = sizeof sums, .name = "Sums", .buffer = a->sums};
@@ -158,21 +160,21 @@ static void record_count(const abuffer *a, const strata_frame *frame) {
     frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
                                             .label = "sums",
                                             .program = a->sums_program,
-                                            .groups = {groups},
+                                            .groups = {groups[0], groups[1]},
                                             .binds = (const strata_bind[]){count, sums, largest},
                                             .bind_count = 3});
     frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
                                             .label = "offsets",
                                             .program = a->blocksums_program,
                                             .groups = {1},
-                                            .params = &groups,
-                                            .params_size = sizeof groups,
+                                            .params = &tile_count,
+                                            .params_size = sizeof tile_count,
                                             .binds = (const strata_bind[]){sums, records},
                                             .bind_count = 2});
     frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
                                             .label = "ranges",
                                             .program = a->ranges_program,
-                                            .groups = {groups},
+                                            .groups = {groups[0], groups[1]},
                                             .binds = (const strata_bind[]){count, sums, ranges},
                                             .bind_count = 3});
 }

@@ -20,7 +20,10 @@ void main() {
         if (tile_pixel(i, pixel))
             sum += count_at(pixel);
     uint total;
-    uint end = strata_add(sums[gl_WorkGroupID.x], strata_scan(sum, total));
+    uint end = strata_scan(sum, total);
+    if (!tile_exists())
+        return;
+    end = strata_add(sums[tile_index()], end);
     for (uint i = 0u; i < TILE; ++i)
         if (tile_pixel(i, pixel)) {
             uint count = count_at(pixel);

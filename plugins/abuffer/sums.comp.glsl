@@ -23,6 +23,6 @@ void main() {
     uint total;
     strata_scan(sum, total);
     atomicMax(largest_count, largest);
-    if (gl_LocalInvocationID.x == 0u)
-        sums[gl_WorkGroupID.x] = total;
+    if (gl_LocalInvocationID.x == 0u && tile_exists())
+        sums[tile_index()] = total;
 }
