@@ -17,6 +17,8 @@ layout(std430) buffer StrataFragmentPool { uint strata_needed; uint strata_capac
 uint take_slot(uint pixel) {
 #if STRATA_LAYOUT == 1
     uint slot = atomicAdd(strata_needed, 1u);
+    if (slot >= 0x80000000u) // beyond every capacity: the count stays there and never wraps
+        atomicAdd(strata_needed, 0xffffffffu);
     atomicAdd(strata_ranges[pixel].y, 1u);
     if (slot < strata_capacity)
         strata_links[slot] = uvec2(atomicExchange(strata_ranges[pixel].x, slot), pixel);

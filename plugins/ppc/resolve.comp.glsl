@@ -28,7 +28,7 @@ void leave_to_tied(uint pixel) {
 #define LOAD(i)                                                                                    \
     k[i] = STRATA_NO_KEY;                                                                          \
     s[i] = slot;                                                                                   \
-    if (i < range.y && slot < strata_capacity) {                                                   \
+    if (i < range.y) {                                                                             \
         k[i] = strata_keys[slot].x;                                                                \
         slot = strata_links[slot].x;                                                               \
     }
@@ -47,15 +47,13 @@ void main() {
         return;
     uint pixel = lists[classes[CLASS].offset + item];
     uvec2 range = strata_ranges[pixel];
+    if (strata_needed > strata_capacity)
+        return; // this attempt's pool is too small; the frame is recorded again
     StrataElement walk = strata_fold_begin();
 #if SIZE == 1
-    if (range.x < strata_capacity)
-        strata_fold_step(walk, strata_event(strata_payload_load(range.x)));
+    strata_fold_step(walk, strata_event(strata_payload_load(range.x)));
 #else
-#if STRATA_LAYOUT == 0
-    if (range.x + range.y > strata_capacity)
-        return; // this attempt's pool is too small; the frame is recorded again
-#else
+#if STRATA_LAYOUT == 1
     uint slot = range.x;
 #endif
     uint k[SIZE + 1], s[SIZE];
