@@ -6,7 +6,8 @@
 
 void transmission_emit(StrataSurface surface, inout StrataPayload payload) {
     payload.glow = surface.color * surface.alpha;
-    payload.through = mix(vec3(1.0), surface.tint, surface.alpha);
+    precise vec3 through = vec3(1.0 - surface.alpha) + surface.tint * surface.alpha;
+    payload.through = through;
 }
 
 StrataElement transmission_event(StrataPayload payload) {
