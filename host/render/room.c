@@ -5,14 +5,19 @@
  */
 #include "render/render.h"
 
-#define POOL_STEP 256u /* elements that capacities are rounded up to */
+#define POOL_STEP  256u   /* elements that capacities are rounded up to */
+#define SMALL_POOL 65536u /* bytes */
 
-/* First exactly what is needed; then, time after time, from a 64th to a quarter more, so that a
- * moving camera does not retry for ever. */
+/* First exactly what is needed. A pool that overflows again belongs to a moving scene: it gets a
+ * sixteenth more than it needs, then an eighth, then a quarter. Small pools (the odd pixels of a
+ * frame) vary most and cost least, so they double. */
 static uint64_t grown(const render_technique *t, uint32_t pool, uint64_t needed) {
     const uint32_t times = t->pool_grown[pool];
-    if (times > 0)
-        needed += needed >> (times < 5 ? 7 - times : 2);
+    const uint64_t bytes = needed * gpu_pool_element_bytes(t->session->owner->gpu, t->pools[pool]);
+    if (bytes < (times ? SMALL_POOL * 16 : SMALL_POOL))
+        needed *= 2;
+    else if (times > 0)
+        needed += needed >> (times < 3 ? 5 - times : 2);
     return (needed + POOL_STEP - 1) / POOL_STEP * POOL_STEP;
 }
 
@@ -64,6 +69,9 @@ static strata_result grow(render_session *session, render_technique *t, uint32_t
         return split(session, 2, failure.text, err);
     if (r != STRATA_OK)
         return base_fail(err, r, "%s", failure.text);
+    base_log(BASE_LOG_DEBUG, "%s: pool %u needs %llu elements, gets %llu",
+             t->planned->technique->id, pool, (unsigned long long)needed,
+             (unsigned long long)capacity);
     t->pool_grown[pool]++;
     return STRATA_OK;
 }

@@ -355,31 +355,48 @@ static void record(void *state, const strata_frame *frame) {
 /* ---- verify: what the next attempt has to record
  * -------------------------------------------------- */
 
+/* Merges of deep pixels, so that the largest is one sorted run. */
+static uint32_t rounds_of(uint32_t largest) {
+    const uint64_t blocks = ((uint64_t)largest + DEEP_BLOCK - 1) / DEEP_BLOCK;
+    uint32_t rounds = 0;
+    while ((1ull << rounds) < blocks)
+        ++rounds;
+    return rounds;
+}
+
+/* A scene that moves will need what lies next to what it needs: from the second frame on,
+ * neighbouring classes and one more merge are taken along, so that it does not learn them one frame
+ * at a time. */
+static void learn(ppc *p, uint32_t missing, uint32_t largest, uint64_t frame) {
+    if (frame > 0)
+        missing |= (missing << 1 | missing >> 1) & ((1u << CLASS_COUNT) - 1);
+    p->seen |= missing;
+    if ((p->seen >> CLASS_DEEP & 1u) == 0)
+        return;
+    const uint32_t rounds = rounds_of(largest) + (frame > 0);
+    p->rounds = rounds > p->rounds ? rounds : p->rounds;
+    p->walks = largest / WALK_CHUNK + 1 > p->walks ? largest / WALK_CHUNK + 1 : p->walks;
+}
+
 static strata_result verify(void *state, const strata_frame *frame) {
     ppc *p = state;
     table t = {.largest = 0};
     strata_result r = frame->read(frame->self, p->classes, 0, sizeof t, &t);
     if (r != STRATA_OK)
         return r;
-    uint32_t seen = p->seen, rounds = 0, walks = 0;
+    uint32_t present = 0;
     for (uint32_t c = 0; c < CLASS_COUNT; ++c)
         if (t.classes[c].count > 0)
-            seen |= 1u << c;
-    if (t.classes[CLASS_DEEP].count > 0) {
-        const uint32_t blocks = t.largest / DEEP_BLOCK + (t.largest % DEEP_BLOCK != 0);
-        while (rounds < 32 && (1ull << rounds) < blocks)
-            ++rounds;
-        walks = t.largest / WALK_CHUNK + (t.largest % WALK_CHUNK != 0);
-    }
-    const uint32_t tied = p->tied_seen || frame->needed(frame->self, p->tied) > 0;
-    const int enough =
-        seen == p->seen && tied == p->tied_seen && rounds <= p->rounds && walks <= p->walks;
-    p->seen = seen;
-    p->tied_seen = tied;
-    p->rounds = rounds > p->rounds ? rounds : p->rounds;
-    p->walks = walks > p->walks ? walks : p->walks;
+            present |= 1u << c;
+    const uint32_t tied = frame->needed(frame->self, p->tied) > 0;
+    const int deep = (present >> CLASS_DEEP & 1u) && (rounds_of(t.largest) > p->rounds ||
+                                                      t.largest > p->walks * (uint64_t)WALK_CHUNK);
     frame->report(frame->self, STRATA_REPORT_MAX_PER_PIXEL, t.largest);
-    return enough ? STRATA_OK : STRATA_RETRY;
+    if ((present & ~p->seen) == 0 && tied <= p->tied_seen && !deep)
+        return STRATA_OK;
+    learn(p, present & ~p->seen, t.largest, frame->index);
+    p->tied_seen |= tied;
+    return STRATA_RETRY;
 }
 
 static void destroy(void *state) {

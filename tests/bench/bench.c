@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The benchmark: techniques as multiples of the floor, in one process, configurations interleaved in
- * shuffled order, the camera turned by a degree a frame. Prints one JSON object; see --help.
+ * The benchmark: techniques as multiples of the floor, in one process, configurations interleaved
+ * in shuffled order, the camera turned by a degree a frame. Prints one JSON object; see --help.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -23,7 +23,7 @@ typedef struct config {
     strata *instance;
     strata_scene *scene;
     double ms[MAX_FRAMES], cpu_ms[MAX_FRAMES];
-    json_t *account;
+    json_t *account, *first; /* of the last frame, and of the first, before the camera turned */
 } config;
 
 typedef struct options {
@@ -81,9 +81,8 @@ static double last_frame(json_t *account) {
 }
 
 static int open_config(config *c, const options *o) {
-    const strata_open_options open = {.struct_size = sizeof open,
-                                      .backend = c->backend,
-                                      .module_path = o->module_path};
+    const strata_open_options open = {
+        .struct_size = sizeof open, .backend = c->backend, .module_path = o->module_path};
     if (strata_open(&open, &c->instance) != STRATA_OK ||
         strata_scene_load(c->instance, o->scene, &c->scene) != STRATA_OK) {
         fprintf(stderr, "bench: %s: %s\n", c->name, strata_error(c->instance));
@@ -107,6 +106,8 @@ static int run_frame(config *c, const options *o, int32_t frame) {
     }
     json_decref(c->account);
     c->account = read_account(c->instance);
+    if (!c->first)
+        c->first = json_incref(c->account);
     if (frame >= 0) {
         c->ms[frame] = last_frame(c->account);
         c->cpu_ms[frame] = now_ms(CLOCK_PROCESS_CPUTIME_ID) - cpu;
@@ -142,7 +143,8 @@ static int run_all(config *configs, uint32_t count, const options *o) {
     return 1;
 }
 
-/* ---- what to measure ----------------------------------------------------------------------------- */
+/* ---- what to measure
+ * ----------------------------------------------------------------------------- */
 
 static void add(config *configs, uint32_t *count, const char *backend, const char *use,
                 const char *first, const char *second) {
@@ -171,25 +173,30 @@ static uint32_t make_configs(config *configs, const options *o) {
     return count;
 }
 
-static double floor_of(const config *configs, uint32_t count, const char *backend, uint32_t frames) {
+static double floor_of(const config *configs, uint32_t count, const char *backend,
+                       uint32_t frames) {
     for (uint32_t i = 0; i < count; ++i)
         if (strcmp(configs[i].backend, backend) == 0 && strcmp(configs[i].use, "floor") == 0)
             return median(configs[i].ms, frames);
     return 0;
 }
 
+static double fragments_in(json_t *account) {
+    return json_number_value(json_object_get(json_object_get(account, "fragments"), "total"));
+}
+
+/* Of the last frame; the floor does not count its fragments, the others do. */
 static double fragments_of(const config *configs, uint32_t count) {
-    for (uint32_t i = 0; i < count; ++i) {
-        json_t *total = json_object_get(json_object_get(configs[i].account, "fragments"), "total");
-        if (json_is_integer(total))
-            return json_number_value(total);
-    }
+    for (uint32_t i = 0; i < count; ++i)
+        if (fragments_in(configs[i].account) > 0)
+            return fragments_in(configs[i].account);
     return 0;
 }
 
 static json_t *result_of(const config *c, double floor_ms, double fragments, const options *o) {
     const double ms = median(c->ms, o->frames);
-    json_t *bytes = json_object_get(c->account, "bytes");
+    json_t *bytes = json_object_get(c->first, "bytes");
+    const double first_fragments = fragments_in(c->first);
     const double stored = json_number_value(json_object_get(bytes, "abuffer")) +
                           json_number_value(json_object_get(bytes, "ppc"));
     const double pixels = (double)o->width * o->height;
@@ -197,8 +204,8 @@ static json_t *result_of(const config *c, double floor_ms, double fragments, con
                      "backend", c->backend, "ms", ms, "mad_ms", deviation(c->ms, o->frames),
                      "cpu_ms", median(c->cpu_ms, o->frames), "x_floor", ms / floor_ms,
                      "mfragments_s", fragments / ms / 1e3, "bytes_a_fragment_beyond_16_a_pixel",
-                     fragments > 0 ? (stored - 16 * pixels) / fragments : 0, "bytes", bytes,
-                     "passes", json_object_get(c->account, "passes"), "device",
+                     first_fragments > 0 ? (stored - 16 * pixels) / first_fragments : 0, "bytes",
+                     bytes, "passes", json_object_get(c->account, "passes"), "device",
                      json_object_get(c->account, "device"));
 }
 
@@ -206,10 +213,9 @@ static int print_results(const config *configs, uint32_t count, const options *o
     const double fragments = fragments_of(configs, count);
     json_t *results = json_array();
     for (uint32_t i = 0; i < count; ++i)
-        json_array_append_new(results, result_of(&configs[i],
-                                                 floor_of(configs, count, configs[i].backend,
-                                                          o->frames),
-                                                 fragments, o));
+        json_array_append_new(
+            results, result_of(&configs[i], floor_of(configs, count, configs[i].backend, o->frames),
+                               fragments, o));
     json_t *root = json_pack("{s:s, s:[i,i], s:i, s:f, s:o}", "scene", o->scene, "size",
                              (int)o->width, (int)o->height, "frames", (int)o->frames, "fragments",
                              fragments, "results", results);
@@ -229,8 +235,13 @@ static int usage(int status) {
 }
 
 int main(int argc, char **argv) {
-    options o = {.scene = "scene:soup", .backends = "vulkan,gl", .module_path = BENCH_MODULES,
-                 .width = 512, .height = 512, .frames = 11, .warmup = 3};
+    options o = {.scene = "scene:soup",
+                 .backends = "vulkan,gl",
+                 .module_path = BENCH_MODULES,
+                 .width = 512,
+                 .height = 512,
+                 .frames = 11,
+                 .warmup = 3};
     static config configs[MAX_CONFIGS];
     for (int i = 1; i < argc; i += 2) {
         const char *value = i + 1 < argc ? argv[i + 1] : NULL;
@@ -248,8 +259,7 @@ int main(int argc, char **argv) {
             o.frames = (uint32_t)strtoul(value, NULL, 10);
         else if (strcmp(argv[i], "--warmup") == 0)
             o.warmup = (uint32_t)strtoul(value, NULL, 10);
-        else if (strcmp(argv[i], "--size") != 0 ||
-                 sscanf(value, "%ux%u", &o.width, &o.height) != 2)
+        else if (strcmp(argv[i], "--size") != 0 || sscanf(value, "%ux%u", &o.width, &o.height) != 2)
             return usage(2);
     }
     if (o.frames == 0 || o.frames > MAX_FRAMES)
@@ -261,6 +271,7 @@ int main(int argc, char **argv) {
     ok = ok && run_all(configs, count, &o) && print_results(configs, count, &o);
     for (uint32_t i = 0; i < count; ++i) {
         json_decref(configs[i].account);
+        json_decref(configs[i].first);
         if (configs[i].instance)
             strata_close(configs[i].instance);
     }
