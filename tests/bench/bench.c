@@ -91,7 +91,8 @@ static int open_config(config *c, const options *o) {
     return 1;
 }
 
-static int run_frame(config *c, const options *o, int32_t frame) {
+/* frame < 0: to warm up, not measured. */
+static int run_frame(config *c, const options *o, int32_t frame, double angle) {
     const double cpu = now_ms(CLOCK_PROCESS_CPUTIME_ID);
     const strata_render_options render = {.struct_size = sizeof render,
                                           .width = o->width,
@@ -99,7 +100,7 @@ static int run_frame(config *c, const options *o, int32_t frame) {
                                           .use = c->use,
                                           .settings = c->settings,
                                           .setting_count = c->setting_count,
-                                          .angle = frame < 0 ? 0 : frame};
+                                          .angle = angle};
     if (strata_render(c->instance, c->scene, &render) != STRATA_OK) {
         fprintf(stderr, "bench: %s: %s\n", c->name, strata_error(c->instance));
         return 0;
@@ -130,12 +131,13 @@ static int run_all(config *configs, uint32_t count, const options *o) {
         order[i] = i;
     for (uint32_t i = 0; i < count; ++i)
         for (uint32_t w = 0; w < o->warmup; ++w)
-            if (!run_frame(&configs[i], o, -1))
+            /* through the angles to come, so that what a technique learns is learned before */
+            if (!run_frame(&configs[i], o, -1, (double)w * o->frames / o->warmup))
                 return 0;
     for (uint32_t frame = 0; frame < o->frames; ++frame) {
         shuffle(order, count, &state);
         for (uint32_t i = 0; i < count; ++i)
-            if (!run_frame(&configs[order[i]], o, (int32_t)frame))
+            if (!run_frame(&configs[order[i]], o, (int32_t)frame, frame))
                 return 0;
         fprintf(stderr, "\rbench: frame %u of %u", frame + 1, o->frames);
     }
