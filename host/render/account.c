@@ -72,7 +72,11 @@ static json_t *fragments_json(const render_report *report) {
                      known(report, STRATA_REPORT_FRAGMENTS_TOTAL, report->total), "max_per_pixel",
                      known(report, STRATA_REPORT_MAX_PER_PIXEL, report->largest), "kept",
                      known(report, STRATA_REPORT_FRAGMENTS_KEPT, report->kept), "dropped",
-                     known(report, STRATA_REPORT_FRAGMENTS_KEPT, report->dropped));
+                     known(report,
+                           report->known >> STRATA_REPORT_FRAGMENTS_DROPPED & 1u
+                               ? STRATA_REPORT_FRAGMENTS_DROPPED
+                               : STRATA_REPORT_FRAGMENTS_KEPT, /* kept and none dropped */
+                           report->dropped));
 }
 
 /* Of each technique that ran, and of the scene and the host's own targets. */

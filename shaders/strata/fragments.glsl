@@ -30,8 +30,8 @@ layout(std430) STRATA_RECORDS buffer StrataLinks { uvec2 strata_links[]; };
 
 // Ascends from near to far; exact, since depth bits of non-negative floats order as integers.
 uint strata_key(float depth) {
-    float z = clamp(depth, 0.0, 1.0) + 0.0; // -0 becomes +0
-    return 0x3f800000u - floatBitsToUint(z);
+    uint bits = floatBitsToUint(clamp(depth, 0.0, 1.0)) & 0x7fffffffu; // -0 becomes +0
+    return 0x3f800000u - bits;
 }
 
 // At equal depth the later primitive lies in front.
