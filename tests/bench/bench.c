@@ -14,12 +14,12 @@
 
 #include "strata/host.h"
 
-enum { MAX_CONFIGS = 32, MAX_FRAMES = 1001 };
+enum { MAX_CONFIGS = 32, MAX_FRAMES = 1001, MAX_SETTINGS = 8 };
 
 typedef struct config {
-    const char *backend, *use, *settings[4];
+    const char *backend, *use, *settings[MAX_SETTINGS];
     uint32_t setting_count;
-    char name[96];
+    char name[160], words[160];
     strata *instance;
     strata_scene *scene;
     double ms[MAX_FRAMES], cpu_ms[MAX_FRAMES];
@@ -29,6 +29,8 @@ typedef struct config {
 typedef struct options {
     const char *scene, *backends, *module_path;
     uint32_t width, height, frames, warmup;
+    const char *given[MAX_CONFIGS]; /* --config, beside the floor; none = the default ones */
+    uint32_t given_count;
 } options;
 
 static double now_ms(clockid_t clock) {
@@ -148,29 +150,42 @@ static int run_all(config *configs, uint32_t count, const options *o) {
 /* ---- what to measure
  * ----------------------------------------------------------------------------- */
 
-static void add(config *configs, uint32_t *count, const char *backend, const char *use,
-                const char *first, const char *second) {
+/* `text` is what to use and then settings, between blanks: "abuffer,ppc abuffer.payload=half". */
+static int add(config *configs, uint32_t *count, const char *backend, const char *text) {
+    if (*count == MAX_CONFIGS || strlen(text) >= sizeof configs->name)
+        return 0;
     config *c = &configs[(*count)++];
-    *c = (config){.backend = backend, .use = use};
-    if (first)
-        c->settings[c->setting_count++] = first;
-    if (second)
-        c->settings[c->setting_count++] = second;
-    snprintf(c->name, sizeof c->name, "%s%s%s%s%s", use, first ? " " : "", first ? first : "",
-             second ? " " : "", second ? second : "");
+    *c = (config){.backend = backend};
+    memcpy(c->name, text, strlen(text) + 1);
+    memcpy(c->words, text, strlen(text) + 1);
+    char *rest = NULL;
+    c->use = strtok_r(c->words, " ", &rest);
+    for (char *word; c->use && (word = strtok_r(NULL, " ", &rest));) {
+        if (c->setting_count == MAX_SETTINGS)
+            return 0;
+        c->settings[c->setting_count++] = word;
+    }
+    return c->use != NULL;
 }
 
+/* 0: too many of them, or one is malformed. */
 static uint32_t make_configs(config *configs, const options *o) {
     static const char *const backends[] = {"vulkan", "gl"};
+    static const char *const usual[] = {"abuffer,ppc", "abuffer,ppc abuffer.payload=half",
+                                        "abuffer,ppc abuffer.payload=unorm8",
+                                        "abuffer,ppc abuffer.mode=linked"};
+    const char *const *texts = o->given_count ? o->given : usual;
+    const uint32_t text_count =
+        o->given_count ? o->given_count : (uint32_t)(sizeof usual / sizeof *usual);
     uint32_t count = 0;
     for (size_t b = 0; b < 2; ++b) {
         if (!strstr(o->backends, backends[b]))
             continue;
-        add(configs, &count, backends[b], "floor", NULL, NULL);
-        add(configs, &count, backends[b], "abuffer,ppc", NULL, NULL);
-        add(configs, &count, backends[b], "abuffer,ppc", "abuffer.payload=half", NULL);
-        add(configs, &count, backends[b], "abuffer,ppc", "abuffer.payload=unorm8", NULL);
-        add(configs, &count, backends[b], "abuffer,ppc", "abuffer.mode=linked", NULL);
+        int ok = add(configs, &count, backends[b], "floor");
+        for (uint32_t i = 0; i < text_count && ok; ++i)
+            ok = add(configs, &count, backends[b], texts[i]);
+        if (!ok)
+            return 0;
     }
     return count;
 }
@@ -202,10 +217,14 @@ static json_t *result_of(const config *c, double floor_ms, double fragments, con
     const double stored = json_number_value(json_object_get(bytes, "abuffer")) +
                           json_number_value(json_object_get(bytes, "ppc"));
     const double pixels = (double)o->width * o->height;
-    return json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:O, s:O, s:O}", "name", c->name,
-                     "backend", c->backend, "ms", ms, "mad_ms", deviation(c->ms, o->frames),
-                     "cpu_ms", median(c->cpu_ms, o->frames), "x_floor", ms / floor_ms,
-                     "mfragments_s", fragments / ms / 1e3, "bytes_a_fragment_beyond_16_a_pixel",
+    json_t *frames = json_array();
+    for (uint32_t i = 0; i < o->frames; ++i)
+        json_array_append_new(frames, json_real(c->ms[i]));
+    return json_pack("{s:s, s:s, s:f, s:o, s:f, s:f, s:f, s:f, s:f, s:O, s:O, s:O}", "name",
+                     c->name, "backend", c->backend, "ms", ms, "frame_ms", frames, "mad_ms",
+                     deviation(c->ms, o->frames), "cpu_ms", median(c->cpu_ms, o->frames), "x_floor",
+                     ms / floor_ms, "mfragments_s", fragments / ms / 1e3,
+                     "bytes_a_fragment_beyond_16_a_pixel",
                      first_fragments > 0 ? (stored - 16 * pixels) / first_fragments : 0, "bytes",
                      bytes, "passes", json_object_get(c->account, "passes"), "device",
                      json_object_get(c->account, "device"));
@@ -230,6 +249,7 @@ static int print_results(const config *configs, uint32_t count, const options *o
 static int usage(int status) {
     fputs("usage: bench [--scene SCENE] [--size WxH] [--frames N] [--warmup N]\n"
           "             [--backends vulkan,gl] [--modules FOLDERS]\n"
+          "             [--config 'ID[,ID..] [ID.KNOB=VALUE]..']..\n"
           "Prints JSON: each technique's frame time as a multiple of the floor.\n"
           "Defaults: scene:soup, 512x512, 11 frames, 3 to warm up, both backends.\n",
           status ? stderr : stdout);
@@ -257,6 +277,8 @@ int main(int argc, char **argv) {
             o.backends = value;
         else if (strcmp(argv[i], "--modules") == 0)
             o.module_path = value;
+        else if (strcmp(argv[i], "--config") == 0 && o.given_count < MAX_CONFIGS)
+            o.given[o.given_count++] = value;
         else if (strcmp(argv[i], "--frames") == 0)
             o.frames = (uint32_t)strtoul(value, NULL, 10);
         else if (strcmp(argv[i], "--warmup") == 0)
@@ -267,6 +289,8 @@ int main(int argc, char **argv) {
     if (o.frames == 0 || o.frames > MAX_FRAMES)
         return usage(2);
     const uint32_t count = make_configs(configs, &o);
+    if (count == 0)
+        return usage(2);
     int ok = 1;
     for (uint32_t i = 0; i < count && ok; ++i)
         ok = open_config(&configs[i], &o);
