@@ -61,7 +61,9 @@ typedef struct strata_view {
     uint32_t layout;                    /* STRATA_FRAGMENTS_*: fragments/1's layout */
     uint32_t payload_plane_count;       /* planes of payload that a record has, 1.. */
     uint32_t payload_plane_strides[STRATA_MAX_PLANES]; /* bytes, 4 or 8 */
-    uint32_t reserved;
+    /* At most the nearest k fragments of a pixel are kept by the frame's capture or stream: the value
+     * of that technique's knob `k` where it promises STRATA_ORDER_NEAREST. 0: all are. */
+    uint32_t nearest;
     uint64_t scene_revision;
     const strata_settings *settings;    /* this technique's knobs */
     const strata_scene_stats *stats;

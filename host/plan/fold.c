@@ -264,7 +264,17 @@ static void describe_others(const search *s) {
     }
 }
 
-/* Notes the layout and the payload's precision, and sets the mode knob to what was agreed. */
+/* The nearest k that the holder of a pixel's fragments keeps: its knob `k`; 0 = all. */
+static uint32_t nearest_of(const plan_candidate *holder) {
+    const strata_promises *p = holder->note->promises;
+    int k = plan_knob(holder->note, "k");
+    if (!p || p->order != STRATA_ORDER_NEAREST || k < 0 || !(holder->values[k] > 0.0))
+        return 0;
+    return holder->values[k] < 4294967295.0 ? (uint32_t)holder->values[k] : 0xffffffffu;
+}
+
+/* Notes the layout, the nearest k and the payload's precision, and sets the mode knob to what was
+ * agreed. */
 static strata_result settle(search *s) {
     const way *b = &s->best;
     plan *p = s->w->out;
@@ -272,6 +282,7 @@ static strata_result settle(search *s) {
     p->captures = b->capture != NULL;
     p->layout = b->layout;
     const plan_candidate *holder = b->capture ? b->capture : b->fold;
+    p->nearest = nearest_of(holder);
     int payload = plan_knob(holder->note, "payload");
     p->payload.precision = payload >= 0 ? (uint32_t)holder->values[payload] : STRATA_PAYLOAD_FLOAT;
     if (p->payload.precision > STRATA_PAYLOAD_UNORM8)

@@ -114,6 +114,7 @@ typedef struct plan {
     uint32_t transparent; /* 1: some technique folds transparent fragments; else the rest is zero */
     uint32_t captures;    /* 1: through fragments/1 */
     uint32_t layout;      /* STRATA_FRAGMENTS_* */
+    uint32_t nearest;     /* fragments a pixel that the capture or the stream keeps; 0 = all */
     uint32_t transmittance_channels; /* 1 or 3 */
     plan_payload payload;
     uint32_t bytes_per_fragment; /* of a record in fragments/1, 0 when nothing is captured */

@@ -200,6 +200,7 @@ static strata_result prepare_technique(render_technique *t) {
                         .payload = p->payload.precision,
                         .layout = p->layout,
                         .payload_plane_count = p->payload.plane_count,
+                        .nearest = p->nearest,
                         .scene_revision = session->scene_revision,
                         .settings = &t->planned->settings,
                         .stats = &session->stats,

@@ -63,7 +63,6 @@ static const strata_knob nearest = {
     .type = STRATA_KNOB_INT,
     .name = "k",
     .unit = "fragments",
-    .minimum = 1,
     .maximum = 64,
     .preset = 8,
 };
@@ -148,6 +147,12 @@ static const modules_technique_note techniques[] = {
      SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0)),
      PROMISE(APPROXIMATE, BOUNDED, 0),
      COST(1.1)},
+    {.id = "window", /* a knob k that is not the nearest k */
+     .stage = "stream",
+     SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0)),
+     KNOBS(&nearest),
+     PROMISE(APPROXIMATE, BOUNDED, 0),
+     COST(1)},
     {.id = "silent", /* promises nothing, costs unknown */
      .stage = "stream",
      SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0))},

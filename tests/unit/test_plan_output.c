@@ -58,6 +58,33 @@ static void settings_are_resolved(void **state) {
     }
 }
 
+/* How many fragments of a pixel the fold keeps is what its knob k says, where it promises that. */
+static void the_nearest_are_as_many_as_k(void **state) {
+    (void)state;
+    static const struct {
+        request r;
+        uint32_t nearest;
+    } rows[] = {
+        {{FOR("abuffer ppc over", "b")}, 0},
+        {{FOR("kplus ppc over", "b"), .tolerance = 0.1}, 8},
+        {{FOR("kplus ppc over", "b"), .use = "kplus", .settings = {"kplus.k=1"}}, 1},
+        {{FOR("kplus ppc over", "b"), .use = "kplus", .settings = {"kplus.k=64"}}, 64},
+        {{FOR("kplus ppc over", "b"), .use = "kplus", .settings = {"kplus.k=0"}}, 0},
+        {{FOR("kplus abuffer ppc over", "b"), .settings = {"kplus.k=3"}}, 0},
+        {{FOR("kbuffer over", "b"), .use = "kbuffer"}, 0}, /* without such a knob */
+        {{FOR("window over", "b"), .use = "window"}, 0},   /* its k says something else */
+        {{FOR("surface kplus ppc over", "o"), .tolerance = 0.1}, 0},
+    };
+    for (size_t i = 0; i < BASE_COUNT(rows); i++) {
+        kit k;
+        demand d;
+        plan *p = get(&rows[i].r, &k, &d);
+        if (p->nearest != rows[i].nearest)
+            fail_msg("row %zu: %u", i, p->nearest);
+        plan_free(p);
+    }
+}
+
 static uint64_t small_range(void *user, const char *id) {
     return strcmp(id, "limit.storage_range") == 0 ? *(const uint64_t *)user : 1;
 }
@@ -342,7 +369,7 @@ static void modules_are_told_as_json(void **state) {
         "\"default\":\"contiguous\",\"trades_accuracy\":false,\"choices\":[\"contiguous\","
         "\"linked\"]",
         "\"type\":\"int\",\"unit\":\"fragments\",\"default\":8",
-        "\"minimum\":1,\"maximum\":64",
+        "\"minimum\":0,\"maximum\":64",
         "\"order\":\"exact\",\"determinism\":\"bit\",\"largest_depth\":254",
         "\"needs\":[\"feature.stencil_export\"]",
         "\"called_for_by\":[{\"fact\":\"materials.blend\",\"threshold\":1}]",
@@ -357,6 +384,7 @@ static void modules_are_told_as_json(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(settings_are_resolved),
+        cmocka_unit_test(the_nearest_are_as_many_as_k),
         cmocka_unit_test(bands_are_expected),
         cmocka_unit_test(opaque_scenes_plan_no_fragments),
         cmocka_unit_test(streams_capture_nothing),
