@@ -11,6 +11,24 @@
 
 #include <cmocka.h>
 
+const test_scene picture_scenes[] = {
+    {"scene:soup?small=3000&medium=150", 96, 96, 54},
+    {"scene:glass", 80, 60, 117},
+    {"scene:shells", 64, 64, 16},
+    {"scene:particles?count=2000", 64, 64, 19},
+    {"scene:stack?count=2", 48, 48, 2},
+    {"scene:stack?count=100", 48, 48, 100},
+    {"scene:city?count=300", 80, 60, 2},
+    {"scene:hairball?strands=800", 64, 64, 18},
+    {"scene:needles", 64, 64, 20},
+    {"scene:layers?count=0", 16, 16, 0},
+    {"scene:layers?count=1", 16, 16, 1},
+    {"scene:layers?count=33", 17, 13, 33},
+    {"scene:layers?count=65", 17, 13, 65},
+    {"scene:layers?count=1500&where=pixel&width=16&height=16", 16, 16, 1500},
+};
+const size_t picture_scene_count = sizeof picture_scenes / sizeof *picture_scenes;
+
 static struct {
     const char *backend;
     strata *instance;
@@ -50,22 +68,32 @@ void picture_close(void) {
     memset(kept, 0, sizeof kept);
 }
 
+strata_scene *picture_scene(strata *instance, const char *path) {
+    strata_scene *sc = NULL;
+    if (strata_scene_load(instance, path, &sc) != STRATA_OK)
+        fail_msg("%s: %s", path, strata_error(instance));
+    return sc;
+}
+
 picture picture_render(strata_scene *scene, strata *instance, const way *w, uint32_t width,
                        uint32_t height) {
     picture p = {.width = width, .height = height};
     const size_t size = (size_t)width * height * 4 * sizeof(float);
+    uint32_t count = 0;
+    while (count < sizeof w->settings / sizeof *w->settings && w->settings[count])
+        ++count;
     const strata_render_options options = {.struct_size = sizeof options,
                                            .width = width,
                                            .height = height,
                                            .use = w->use,
                                            .effects = w->effects,
-                                           .settings = &w->setting,
-                                           .setting_count = w->setting ? 1 : 0,
+                                           .settings = w->settings,
+                                           .setting_count = count,
                                            .camera = w->camera,
                                            .bands = w->bands,
                                            .shuffle = w->shuffle};
     if (strata_render(instance, scene, &options) != STRATA_OK)
-        fail_msg("%s %s: %s", w->backend ? w->backend : "", w->setting ? w->setting : "",
+        fail_msg("%s %s: %s", w->backend ? w->backend : "", count ? w->settings[0] : "",
                  strata_error(instance));
     p.pixels = malloc(size);
     assert_non_null(p.pixels);

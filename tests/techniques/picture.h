@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the tests of techniques share: a scene rendered through the public interface, its pixels, and
- * comparisons bit for bit.
+ * What the tests of techniques share: a scene rendered through the public interface, its pixels,
+ * and comparisons bit for bit.
  */
 #ifndef STRATA_TESTS_PICTURE_H
 #define STRATA_TESTS_PICTURE_H
@@ -15,14 +15,28 @@ typedef struct picture {
 
 /* One way to render. Zero is the plan's own choice on Vulkan. */
 typedef struct way {
-    const char *backend, *use, *effects, *setting, *camera;
+    const char *backend, *use, *effects, *camera;
+    const char *settings[8]; /* up to the first NULL */
     uint32_t bands, shuffle;
 } way;
 
-/* An instance of this backend, kept for the whole program; NULL when the backend cannot be opened here
- * (the caller skips and says so). */
+/* Scenes that every exact technique must agree on. */
+typedef struct test_scene {
+    const char *path;
+    uint32_t width, height;
+    uint32_t depth; /* at least the largest number of fragments in one pixel */
+} test_scene;
+
+extern const test_scene picture_scenes[];
+extern const size_t picture_scene_count;
+
+/* An instance of this backend, kept for the whole program; NULL when the backend cannot be opened
+ * here (the caller skips and says so). */
 strata *picture_instance(const char *backend);
 void picture_close(void); /* all instances */
+
+/* Loads; a failure fails the test with the instance's line. */
+strata_scene *picture_scene(strata *instance, const char *path);
 
 /* Renders; a failure fails the test with the instance's line. Free with picture_free. */
 picture picture_render(strata_scene *scene, strata *instance, const way *w, uint32_t width,

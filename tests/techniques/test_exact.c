@@ -22,57 +22,28 @@
 
 static const char *const backends[] = {"vulkan", "gl"};
 
-typedef struct test_scene {
-    const char *path;
-    uint32_t width, height;
-} test_scene;
-
-static const test_scene scenes[] = {
-    {"scene:soup?small=3000&medium=150", 96, 96},
-    {"scene:glass", 80, 60},
-    {"scene:shells", 64, 64},
-    {"scene:particles?count=2000", 64, 64},
-    {"scene:stack?count=2", 48, 48},
-    {"scene:stack?count=100", 48, 48},
-    {"scene:city?count=300", 80, 60},
-    {"scene:hairball?strands=60", 64, 64},
-    {"scene:needles", 64, 64},
-    {"scene:layers?count=0", 16, 16},
-    {"scene:layers?count=1", 16, 16},
-    {"scene:layers?count=33", 17, 13},
-    {"scene:layers?count=65", 17, 13},
-    {"scene:layers?count=1500&where=pixel&width=16&height=16", 16, 16},
-};
-
-static strata_scene *load(strata *instance, const char *path) {
-    strata_scene *sc = NULL;
-    if (strata_scene_load(instance, path, &sc) != STRATA_OK)
-        fail_msg("%s: %s", path, strata_error(instance));
-    return sc;
-}
-
 /* Every way to render that promises the same bits as the first. */
 static void all_ways(const test_scene *s) {
     static const way ways[] = {
         {.bands = 0},
         {.bands = 7},
         {.shuffle = 5},
-        {.setting = "abuffer.mode=linked"},
-        {.setting = "abuffer.mode=linked", .bands = 7, .shuffle = 9},
-        {.setting = "surface.ties=exact", .shuffle = 5},
+        {.settings = {"abuffer.mode=linked"}},
+        {.settings = {"abuffer.mode=linked"}, .bands = 7, .shuffle = 9},
+        {.settings = {"surface.ties=exact"}, .shuffle = 5},
     };
     picture reference = {0};
     for (size_t b = 0; b < 2; ++b) {
         strata *instance = picture_instance(backends[b]);
         if (!instance)
             continue;
-        strata_scene *sc = load(instance, s->path);
+        strata_scene *sc = picture_scene(instance, s->path);
         for (size_t i = 0; i < sizeof ways / sizeof ways[0]; ++i) {
             char what[256];
             way w = ways[i];
             w.backend = backends[b];
             snprintf(what, sizeof what, "%s on %s, %s, %u bands, shuffle %u", s->path, backends[b],
-                     w.setting ? w.setting : "contiguous", w.bands, w.shuffle);
+                     w.settings[0] ? w.settings[0] : "contiguous", w.bands, w.shuffle);
             picture p = picture_render(sc, instance, &w, s->width, s->height);
             if (!reference.pixels) {
                 reference = p;
@@ -90,8 +61,8 @@ static void all_ways(const test_scene *s) {
 
 static void every_way_gives_the_same_bits(void **state) {
     (void)state;
-    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i)
-        all_ways(&scenes[i]);
+    for (size_t i = 0; i < picture_scene_count; ++i)
+        all_ways(&picture_scenes[i]);
 }
 
 /* ---- the fold, term by term
@@ -119,7 +90,7 @@ static void check_fold(const char *backend, const char *path, const char *settin
     strata *instance = picture_instance(backend);
     if (!instance)
         return;
-    strata_scene *sc = load(instance, path);
+    strata_scene *sc = picture_scene(instance, path);
     const float background[4] = {0.2f, 0.2f, 0.2f, 1};
     const strata_render_options options = {.struct_size = sizeof options,
                                            .width = width,
@@ -198,7 +169,7 @@ static int print_hash(const char *backend) {
     strata *instance = picture_instance(backend);
     if (!instance)
         return 1;
-    strata_scene *sc = load(instance, scenes[0].path);
+    strata_scene *sc = picture_scene(instance, picture_scenes[0].path);
     picture p = picture_render(sc, instance, &(way){.backend = backend}, 96, 96);
     printf("%lx\n", picture_hash(&p));
     picture_free(&p);

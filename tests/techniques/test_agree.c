@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Techniques agree: every way that promises all fragments in their exact order gives the bits of
+ * abuffer and ppc at the same payload, on every scene and both backends. They share no code but the
+ * effects and the fold, so this is the strongest test of each.
+ */
+#include "techniques/picture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+typedef struct exact_way {
+    way way;
+    uint32_t depth; /* the most fragments in one pixel that it holds; 0 = memory alone limits */
+    const char *payload; /* of the reference; NULL: float */
+} exact_way;
+
+/* A technique's own test holds its edge cases; here stands one row for each of its paths. */
+static const exact_way ways[] = {
+    {{.use = "abuffer,ppc", .settings = {"abuffer.mode=contiguous"}, .shuffle = 3}},
+    {{.use = "abuffer,ppc", .settings = {"abuffer.mode=linked"}, .shuffle = 3}},
+    {{.use = "abuffer,ppc", .settings = {"abuffer.mode=linked", "abuffer.payload=half"}},
+     .payload = "half"},
+    {{.use = "abuffer,ppc", .settings = {"abuffer.mode=linked", "abuffer.payload=unorm8"}},
+     .payload = "unorm8"},
+};
+
+static const char *const payloads[] = {"float", "half", "unorm8"};
+
+static size_t payload_index(const exact_way *w) {
+    size_t i = 0;
+    while (w->payload && strcmp(payloads[i], w->payload) != 0)
+        ++i;
+    return i;
+}
+
+static void describe(const exact_way *w, const char *backend, const char *scene, char text[512]) {
+    int length = snprintf(text, 512, "%s on %s, %s", scene, backend, w->way.use);
+    for (size_t i = 0; w->way.settings[i] && length < 500; ++i)
+        length += snprintf(text + length, 512 - (size_t)length, " %s", w->way.settings[i]);
+}
+
+/* All ways on one backend against the references, which the first backend renders. */
+static void compare_ways(const test_scene *scene, const char *backend, picture references[3]) {
+    strata *instance = picture_instance(backend);
+    if (!instance)
+        return;
+    strata_scene *sc = picture_scene(instance, scene->path);
+    for (size_t p = 0; p < 3; ++p) {
+        char setting[64];
+        snprintf(setting, sizeof setting, "abuffer.payload=%s", payloads[p]);
+        const way reference = {.backend = backend, .use = "abuffer,ppc", .settings = {setting}};
+        if (!references[p].pixels)
+            references[p] = picture_render(sc, instance, &reference, scene->width, scene->height);
+    }
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i) {
+        if (ways[i].depth > 0 && scene->depth > ways[i].depth)
+            continue;
+        char what[512];
+        way w = ways[i].way;
+        w.backend = backend;
+        describe(&ways[i], backend, scene->path, what);
+        picture p = picture_render(sc, instance, &w, scene->width, scene->height);
+        picture_same(&references[payload_index(&ways[i])], &p, what);
+        picture_free(&p);
+    }
+    strata_scene_close(sc);
+}
+
+static void exact_ways_agree(void **state) {
+    const test_scene *scene = *state;
+    picture references[3] = {{0}};
+    compare_ways(scene, "vulkan", references);
+    compare_ways(scene, "gl", references);
+    if (!references[0].pixels)
+        skip();
+    for (size_t p = 0; p < 3; ++p)
+        picture_free(&references[p]);
+}
+
+int main(void) {
+    struct CMUnitTest tests[32];
+    for (size_t i = 0; i < picture_scene_count; ++i)
+        tests[i] = (struct CMUnitTest){.name = picture_scenes[i].path,
+                                       .test_func = exact_ways_agree,
+                                       .initial_state = (void *)(uintptr_t)&picture_scenes[i]};
+    const int failed =
+        _cmocka_run_group_tests("exact ways agree", tests, picture_scene_count, NULL, NULL);
+    picture_close();
+    return failed;
+}
