@@ -10,24 +10,21 @@
  * and the frame recorded again.
  */
 #include "abuffer_glsl.h"
+#include "shared/counting.h"
 #include "strata/strata.h"
 
 #include <string.h>
-
-enum { TILE = 64, COUNT_LIMIT = 1 << 24 };
 
 typedef struct abuffer {
     const strata_gpu *gpu;
     uint32_t layout;
     strata_draws draws;
-    strata_image limit, count;
-    strata_buffer ranges, sums, largest;
+    strata_image limit;
+    strata_buffer ranges;
     strata_pool records;
-    strata_program count_program, sums_program, blocksums_program, ranges_program, heads_program,
-        store_program;
+    counting counting;
+    strata_program heads_program, store_program;
 } abuffer;
-
-static const strata_glsl *const includes[] = {&blocks_glsl, NULL};
 
 static strata_result program(const abuffer *a, uint32_t kind, const char *label,
                              const strata_glsl *source, strata_program *out) {
@@ -35,8 +32,7 @@ static strata_result program(const abuffer *a, uint32_t kind, const char *label,
                                   &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
                                                          .kind = kind,
                                                          .label = label,
-                                                         .source = source,
-                                                         .includes = includes},
+                                                         .source = source},
                                   out);
 }
 
@@ -79,31 +75,6 @@ static strata_result create_records(abuffer *a, const strata_view *view) {
     return a->gpu->pool_create(a->gpu->self, &desc, &a->records);
 }
 
-static uint32_t tiles(uint32_t width, uint32_t height) {
-    return ((width + TILE - 1) / TILE) * ((height + TILE - 1) / TILE);
-}
-
-static strata_result prepare_contiguous(abuffer *a, const strata_view *view) {
-    const strata_image_desc count = {.struct_size = sizeof count,
-                                     .label = "fragment count",
-                                     .format = STRATA_FORMAT_R32F,
-                                     .width = view->width,
-                                     .height = view->height};
-    strata_result r = a->gpu->image_create(a->gpu->self, &count, &a->count);
-    if (r == STRATA_OK)
-        r = buffer(a, "tile sums", tiles(view->band_width, view->band_height) * 4ull, &a->sums);
-    if (r == STRATA_OK)
-        r = program(a, STRATA_PROGRAM_SCENE, "count", &count_frag_glsl, &a->count_program);
-    if (r == STRATA_OK)
-        r = program(a, STRATA_PROGRAM_COMPUTE, "sums", &sums_comp_glsl, &a->sums_program);
-    if (r == STRATA_OK)
-        r = program(a, STRATA_PROGRAM_COMPUTE, "offsets", &blocksums_comp_glsl,
-                    &a->blocksums_program);
-    if (r == STRATA_OK)
-        r = program(a, STRATA_PROGRAM_COMPUTE, "ranges", &ranges_comp_glsl, &a->ranges_program);
-    return r;
-}
-
 static strata_result prepare(void *state, const strata_view *view) {
     abuffer *a = state;
     const uint64_t pixels = (uint64_t)view->band_width * view->band_height;
@@ -112,13 +83,11 @@ static strata_result prepare(void *state, const strata_view *view) {
     a->limit = view->image(view->self, "limit/1");
     strata_result r = buffer(a, "ranges", pixels * 8, &a->ranges);
     if (r == STRATA_OK)
-        r = buffer(a, "largest count", 4, &a->largest);
-    if (r == STRATA_OK)
         r = create_records(a, view);
     if (r == STRATA_OK && a->layout == STRATA_FRAGMENTS_LINKED)
         r = program(a, STRATA_PROGRAM_COMPUTE, "heads", &heads_comp_glsl, &a->heads_program);
     if (r == STRATA_OK && a->layout == STRATA_FRAGMENTS_CONTIGUOUS)
-        r = prepare_contiguous(a, view);
+        r = counting_prepare(&a->counting, a->gpu, view, 1);
     if (r == STRATA_OK)
         r = program(a, STRATA_PROGRAM_SCENE, "store", &store_frag_glsl, &a->store_program);
     if (r == STRATA_OK)
@@ -128,55 +97,6 @@ static strata_result prepare(void *state, const strata_view *view) {
                                                         .ranges = a->ranges,
                                                         .records = a->records});
     return r;
-}
-
-static void record_count(const abuffer *a, const strata_frame *frame) {
-    const uint32_t tile_count = tiles(frame->band_width, frame->band_height);
-    uint32_t groups[3]; /* one a tile */
-    strata_groups((uint64_t)tile_count * 64, groups);
-    const strata_bind count = {
-        .struct_size = sizeof count, .name = "count_image", .image = a->count};
-    const strata_bind sums = {.struct_size = sizeof sums, .name = "Sums", .buffer = a->sums};
-    const strata_bind largest = {
-        .struct_size = sizeof largest, .name = "Largest", .buffer = a->largest};
-    const strata_bind ranges = {
-        .struct_size = sizeof ranges, .name = "StrataRanges", .buffer = a->ranges};
-    const strata_bind records = {.struct_size = sizeof records, .pool = a->records};
-
-    frame->pass(
-        frame->self,
-        &(strata_pass){.struct_size = sizeof(strata_pass),
-                       .label = "count",
-                       .program = a->count_program,
-                       .draws = a->draws,
-                       .color = &(strata_attachment){.struct_size = sizeof(strata_attachment),
-                                                     .image = a->count,
-                                                     .load = STRATA_LOAD_CLEAR,
-                                                     .blend = STRATA_BLEND_ADD},
-                       .color_count = 1,
-                       .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment),
-                                                     .image = a->limit},
-                       .depth_test = STRATA_TEST_GREATER_EQUAL});
-    frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
-                                            .label = "sums",
-                                            .program = a->sums_program,
-                                            .groups = {groups[0], groups[1]},
-                                            .binds = (const strata_bind[]){count, sums, largest},
-                                            .bind_count = 3});
-    frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
-                                            .label = "offsets",
-                                            .program = a->blocksums_program,
-                                            .groups = {1},
-                                            .params = &tile_count,
-                                            .params_size = sizeof tile_count,
-                                            .binds = (const strata_bind[]){sums, records},
-                                            .bind_count = 2});
-    frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
-                                            .label = "ranges",
-                                            .program = a->ranges_program,
-                                            .groups = {groups[0], groups[1]},
-                                            .binds = (const strata_bind[]){count, sums, ranges},
-                                            .bind_count = 3});
 }
 
 static void record_heads(const abuffer *a, const strata_frame *frame) {
@@ -193,9 +113,9 @@ static void record_heads(const abuffer *a, const strata_frame *frame) {
 
 static void record(void *state, const strata_frame *frame) {
     const abuffer *a = state;
-    frame->fill(frame->self, a->largest, 0, 0, 0);
     if (a->layout == STRATA_FRAGMENTS_CONTIGUOUS)
-        record_count(a, frame);
+        counting_record(&a->counting, frame, a->draws, a->limit, a->ranges, a->records,
+                        COUNTING_ALL);
     else
         record_heads(a, frame);
 
@@ -217,21 +137,13 @@ static void record(void *state, const strata_frame *frame) {
 
 static strata_result verify(void *state, const strata_frame *frame) {
     const abuffer *a = state;
+    counting_totals totals;
+    if (a->layout == STRATA_FRAGMENTS_CONTIGUOUS)
+        return counting_verify(&a->counting, frame, &totals);
     const uint64_t total = frame->needed(frame->self, a->records);
-    uint32_t largest = 0;
     frame->report(frame->self, STRATA_REPORT_FRAGMENTS_TOTAL, total);
     frame->report(frame->self, STRATA_REPORT_FRAGMENTS_KEPT, total);
-    if (a->layout == STRATA_FRAGMENTS_LINKED)
-        return STRATA_OK; /* the pool counted; nothing else can go wrong */
-    strata_result r = frame->read(frame->self, a->largest, 0, sizeof largest, &largest);
-    if (r != STRATA_OK)
-        return r;
-    if (largest >= COUNT_LIMIT) {
-        frame->fail(frame->self, STRATA_ERROR_OVERFLOW,
-                    "a pixel holds 2^24 fragments or more; abuffer.mode=linked has no such limit");
-        return STRATA_ERROR_OVERFLOW;
-    }
-    return STRATA_OK;
+    return STRATA_OK; /* the pool counted; nothing else can go wrong */
 }
 
 static void destroy(void *state) {

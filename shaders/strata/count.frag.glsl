@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// abuffer, contiguous, pass 1: how many fragments each pixel has. Additive blending is the cheapest
+// Exact allocation, pass 1: how many fragments each pixel has. Additive blending is the cheapest
 // counter; a float counts exactly up to 2^24.
 #include "strata/shading.glsl"
 

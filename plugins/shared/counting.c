@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Exact allocation: count (additive blending) -> sums -> offsets -> ranges. See counting.h.
+ */
+#include "shared/counting.h"
+
+enum { TILE = 64 };
+
+static const strata_glsl count_glsl = {"#include \"strata/count.frag.glsl\"\n", "count.frag"};
+static const strata_glsl sums_glsl = {"#include \"strata/count_sums.comp.glsl\"\n", "sums.comp"};
+static const strata_glsl offsets_glsl = {"#include \"strata/count_offsets.comp.glsl\"\n",
+                                         "offsets.comp"};
+static const strata_glsl ranges_glsl = {"#include \"strata/count_ranges.comp.glsl\"\n",
+                                        "ranges.comp"};
+
+static uint32_t tiles(uint32_t width, uint32_t height) {
+    return ((width + TILE - 1) / TILE) * ((height + TILE - 1) / TILE);
+}
+
+static strata_result buffer(const strata_gpu *gpu, const char *label, uint64_t size,
+                            strata_buffer *out) {
+    return gpu->buffer_create(gpu->self,
+                              &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
+                                                    .label = label,
+                                                    .size = size},
+                              out);
+}
+
+strata_result counting_prepare_totals(counting *c, const strata_gpu *gpu) {
+    return buffer(gpu, "totals", sizeof(counting_totals), &c->totals);
+}
+
+strata_result counting_prepare(counting *c, const strata_gpu *gpu, const strata_view *view,
+                               int ends) {
+    static const char *const defines[] = {"STRATA_RANGE_ENDS"};
+    const struct {
+        strata_program *out;
+        uint32_t kind;
+        const char *label;
+        const strata_glsl *source;
+        uint32_t define_count;
+    } programs[] = {
+        {&c->count_program, STRATA_PROGRAM_SCENE, "count", &count_glsl, 0},
+        {&c->sums_program, STRATA_PROGRAM_COMPUTE, "sums", &sums_glsl, 0},
+        {&c->offsets_program, STRATA_PROGRAM_COMPUTE, "offsets", &offsets_glsl, 0},
+        {&c->ranges_program, STRATA_PROGRAM_COMPUTE, "ranges", &ranges_glsl, ends ? 1 : 0},
+    };
+    const strata_image_desc count = {.struct_size = sizeof count,
+                                     .label = "fragment count",
+                                     .format = STRATA_FORMAT_R32F,
+                                     .width = view->width,
+                                     .height = view->height};
+    strata_result r = gpu->image_create(gpu->self, &count, &c->count);
+    if (r == STRATA_OK)
+        r = counting_prepare_totals(c, gpu);
+    if (r == STRATA_OK)
+        r = buffer(gpu, "tile sums", tiles(view->band_width, view->band_height) * 4ull, &c->sums);
+    for (size_t i = 0; i < sizeof programs / sizeof *programs && r == STRATA_OK; ++i)
+        r = gpu->program_create(gpu->self,
+                                &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
+                                                       .kind = programs[i].kind,
+                                                       .label = programs[i].label,
+                                                       .source = programs[i].source,
+                                                       .defines = defines,
+                                                       .define_count = programs[i].define_count},
+                                programs[i].out);
+    return r;
+}
+
+static strata_bind bind(const char *name, strata_buffer buffer) {
+    return (strata_bind){.struct_size = sizeof(strata_bind), .name = name, .buffer = buffer};
+}
+
+void counting_record(const counting *c, const strata_frame *frame, strata_draws draws,
+                     strata_image limit, strata_buffer ranges, strata_pool records, uint32_t most) {
+    const uint32_t tile_count = tiles(frame->band_width, frame->band_height);
+    const strata_bind count = {
+        .struct_size = sizeof count, .name = "count_image", .image = c->count};
+    const strata_bind sums = bind("Sums", c->sums);
+    uint32_t groups[3]; /* one a tile */
+    strata_groups((uint64_t)tile_count * 64, groups);
+
+    frame->fill(frame->self, c->totals, 0, 0, 0);
+    frame->pass(
+        frame->self,
+        &(strata_pass){
+            .struct_size = sizeof(strata_pass),
+            .label = "count",
+            .program = c->count_program,
+            .draws = draws,
+            .color = &(strata_attachment){.struct_size = sizeof(strata_attachment),
+                                          .image = c->count,
+                                          .load = STRATA_LOAD_CLEAR,
+                                          .blend = STRATA_BLEND_ADD},
+            .color_count = 1,
+            .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment), .image = limit},
+            .depth_test = STRATA_TEST_GREATER_EQUAL});
+    frame->pass(
+        frame->self,
+        &(strata_pass){.struct_size = sizeof(strata_pass),
+                       .label = "sums",
+                       .program = c->sums_program,
+                       .groups = {groups[0], groups[1]},
+                       .params = &most,
+                       .params_size = sizeof most,
+                       .binds = (const strata_bind[]){count, sums, bind("Totals", c->totals)},
+                       .bind_count = 3});
+    frame->pass(frame->self,
+                &(strata_pass){.struct_size = sizeof(strata_pass),
+                               .label = "offsets",
+                               .program = c->offsets_program,
+                               .groups = {1},
+                               .params = &tile_count,
+                               .params_size = sizeof tile_count,
+                               .binds =
+                                   (const strata_bind[]){
+                                       sums, {.struct_size = sizeof(strata_bind), .pool = records}},
+                               .bind_count = 2});
+    frame->pass(
+        frame->self,
+        &(strata_pass){.struct_size = sizeof(strata_pass),
+                       .label = "ranges",
+                       .program = c->ranges_program,
+                       .groups = {groups[0], groups[1]},
+                       .params = &most,
+                       .params_size = sizeof most,
+                       .binds = (const strata_bind[]){count, sums, bind("StrataRanges", ranges)},
+                       .bind_count = 3});
+}
+
+static uint64_t wide(const uint32_t words[2]) {
+    return (uint64_t)words[1] << 32 | words[0];
+}
+
+strata_result counting_verify(const counting *c, const strata_frame *frame,
+                              counting_totals *totals) {
+    strata_result r = frame->read(frame->self, c->totals, 0, sizeof *totals, totals);
+    if (r != STRATA_OK)
+        return r;
+    const uint64_t arrived = wide(totals->arrived), kept = wide(totals->kept);
+    frame->report(frame->self, STRATA_REPORT_FRAGMENTS_TOTAL, arrived);
+    frame->report(frame->self, STRATA_REPORT_FRAGMENTS_KEPT, kept);
+    if (kept < arrived)
+        frame->report(frame->self, STRATA_REPORT_FRAGMENTS_DROPPED, arrived - kept);
+    if (totals->largest < COUNTING_LIMIT)
+        return STRATA_OK;
+    frame->fail(frame->self, STRATA_ERROR_OVERFLOW,
+                "a pixel holds 2^24 fragments or more; abuffer.mode=linked has no such limit");
+    return STRATA_ERROR_OVERFLOW;
+}

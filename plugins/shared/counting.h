@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Exact allocation for captures (S-buffer, Vasilakis and Fudos 2012): a geometry pass counts the
+ * fragments of each pixel by blending, scans turn the counts into ranges of fragments/1 and the
+ * size of its pool. Compiled into each module that uses it; the GLSL is shaders/strata/count*.glsl.
+ */
+#ifndef STRATA_SHARED_COUNTING_H
+#define STRATA_SHARED_COUNTING_H
+
+#include "strata/strata.h"
+
+#define COUNTING_LIMIT (1u << 24) /* fragments in a pixel from which a count is not exact */
+#define COUNTING_ALL   UINT32_MAX /* `most`: every fragment gets a record */
+
+/* Mirrors block Totals in shaders/strata/totals.glsl. */
+typedef struct counting_totals {
+    uint32_t largest;
+    uint32_t arrived[2], kept[2]; /* low and high words */
+} counting_totals;
+
+typedef struct counting {
+    strata_image count;
+    strata_buffer sums, totals;
+    strata_program count_program, sums_program, offsets_program, ranges_program;
+} counting;
+
+/* The totals alone, for captures that add to them by themselves. */
+strata_result counting_prepare_totals(counting *c, const strata_gpu *gpu);
+
+/* All that counting_record needs, in prepare(). ends: 1 = offsets are the ranges' ends. */
+strata_result counting_prepare(counting *c, const strata_gpu *gpu, const strata_view *view,
+                               int ends);
+
+/* In record(): counts the draws in front of or level with `limit`, gives each pixel a range for
+ * at most `most` records in the block StrataRanges and tells the pool how many it needs. */
+void counting_record(const counting *c, const strata_frame *frame, strata_draws draws,
+                     strata_image limit, strata_buffer ranges, strata_pool records, uint32_t most);
+
+/* In verify(): the totals, reported; fails the frame where a count was not exact. */
+strata_result counting_verify(const counting *c, const strata_frame *frame,
+                              counting_totals *totals);
+
+#endif

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+//
+// Exact allocation, pass 4: the range of each pixel. With STRATA_RANGE_ENDS, offsets are written as the
+// range's end; a store pass that counts them down leaves its beginning there and keeps no cursor.
+#define STRATA_RANGES writeonly
+#include "strata/fragments.glsl"
+#include "strata/tiles.glsl"
+
+layout(std430) readonly buffer Sums { uint sums[]; };
+STRATA_PARAMS { uint most; } params;
+
+void main() {
+    uint sum = 0u, pixel;
+    for (uint i = 0u; i < STRATA_TILE; ++i)
+        if (strata_tile_pixel(i, pixel))
+            sum += min(strata_count_at(pixel), params.most);
+    uint total;
+    uint offset = strata_scan(sum, total);
+    if (!strata_tile_exists())
+        return;
+    offset = strata_add(sums[strata_tile()], offset);
+    for (uint i = 0u; i < STRATA_TILE; ++i)
+        if (strata_tile_pixel(i, pixel)) {
+            uint count = min(strata_count_at(pixel), params.most);
+            uint end = strata_add(offset, count);
+#ifdef STRATA_RANGE_ENDS
+            strata_ranges[pixel] = uvec2(end, count);
+#else
+            strata_ranges[pixel] = uvec2(offset, count);
+#endif
+            offset = end;
+        }
+}
