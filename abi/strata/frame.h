@@ -79,6 +79,11 @@ typedef struct strata_view {
     strata_result (*publish_fragments)(void *self, const strata_fragments *fragments);
     /* fragments/1 for its consumers, NULL for others; valid until the next prepare(). */
     const strata_fragments *(*fragments)(void *self);
+    /* 1: a certificate of error is asked for. Programs then have STRATA_BOUND defined, techniques
+     * account for what they drop (shaders/strata/loss.glsl), and what folds fills bound/1 (slot use
+     * UPDATES, optional; zero when the frame starts), +inf where nothing can be said. */
+    uint32_t certify;
+    uint32_t reserved;
 } strata_view;
 
 /* ---- record and verify ------------------------------------------------------------------------ */

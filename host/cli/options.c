@@ -22,7 +22,8 @@ enum {
     KEY_CAMERA,
     KEY_TIME,
     KEY_DEVICE,
-    KEY_MEMORY
+    KEY_MEMORY,
+    KEY_TOLERANCE
 };
 
 static const struct argp_option options[] = {
@@ -31,6 +32,8 @@ static const struct argp_option options[] = {
     {"camera", KEY_CAMERA, "NAME|INDEX|orbit:AZ,EL", 0,
      "A camera of the scene, or one around it in degrees; the first, else an orbit", 2},
     {"time", KEY_TIME, "T", 0, "Seconds into the scene's animations; 0", 2},
+    {"tolerance", KEY_TOLERANCE, "E", 0,
+     "The largest certified error that is accepted, in linear radiance; 0: exact techniques", 2},
     {.doc = "By what:", .group = 3},
     {"use", KEY_USE, "ID[,ID..]", 0, "Use these techniques; the plan fills what they leave open",
      3},
@@ -181,6 +184,10 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_MEMORY:
         if (!parse_memory(text, &o->open.memory))
             argp_error(state, "--memory %s: expected bytes, with K, M or G as suffix", text);
+        return 0;
+    case KEY_TOLERANCE:
+        if (!cli_parse_number(text, 0.0, 1e9, &o->render.tolerance))
+            argp_error(state, "--tolerance %s: expected a number from 0 to 1e9", text);
         return 0;
     case ARGP_KEY_ARG:
         if (o->scene)

@@ -7,13 +7,15 @@
 #include <math.h>
 #include <string.h>
 
-enum { KEY_BACKGROUND = 512, KEY_REPEAT, KEY_DEEP, KEY_ACCOUNT };
+enum { KEY_BACKGROUND = 512, KEY_REPEAT, KEY_DEEP, KEY_BOUND, KEY_ACCOUNT };
 
 static const struct argp_option options[] = {
     {.doc = "What comes out:", .group = 1},
     {"output", 'o', "FILE", 0, "The picture: .png (sRGB, 8 bit) or .exr (linear float); required",
      1},
     {"deep", KEY_DEEP, "OUT.exr", 0, "Every fragment and the opaque surface, as deep EXR", 1},
+    {"bound", KEY_BOUND, "OUT.exr", 0,
+     "How wrong each channel may be at most, proved without a reference; inf: uncertified", 1},
     {"account", KEY_ACCOUNT, "OUT.json", 0, "What it cost and how right it is; - for stdout", 1},
     {"background", KEY_BACKGROUND, "R,G,B", 0, "Linear; 0.2,0.2,0.2", 2},
     {"repeat", KEY_REPEAT, "N", 0, "Render N frames and account for all; the last is kept", 2},
@@ -22,7 +24,7 @@ static const struct argp_option options[] = {
 
 typedef struct request {
     cli_options common;
-    const char *output, *deep, *account;
+    const char *output, *deep, *bound, *account;
 } request;
 
 static int parse_background(const char *text, strata_render_options *render) {
@@ -44,6 +46,16 @@ static int parse_background(const char *text, strata_render_options *render) {
     return 1;
 }
 
+/* Two outputs of one name would overwrite each other. */
+static void check_names(struct argp_state *state, const request *r) {
+    const char *const names[] = {"-o", "--deep", "--bound", "--account"};
+    const char *const paths[] = {r->output, r->deep, r->bound, r->account};
+    for (size_t i = 0; i < sizeof paths / sizeof *paths; i++)
+        for (size_t k = i + 1; paths[i] && k < sizeof paths / sizeof *paths; k++)
+            if (paths[k] && strcmp(paths[i], paths[k]) == 0)
+                argp_error(state, "%s and %s name the same file", names[i], names[k]);
+}
+
 static void check(struct argp_state *state, const request *r) {
     if (!r->output)
         argp_error(state, "-o is missing: a .png or .exr file");
@@ -51,11 +63,10 @@ static void check(struct argp_state *state, const request *r) {
         argp_error(state, "-o %s: the name ends in .png or .exr", r->output);
     else if (r->deep && !cli_has_suffix(r->deep, ".exr"))
         argp_error(state, "--deep %s: the name ends in .exr", r->deep);
-    else if (r->deep && strcmp(r->deep, r->output) == 0)
-        argp_error(state, "-o and --deep name the same file");
-    else if (r->account &&
-             (strcmp(r->account, r->output) == 0 || (r->deep && strcmp(r->account, r->deep) == 0)))
-        argp_error(state, "--account names a file that holds a picture");
+    else if (r->bound && !cli_has_suffix(r->bound, ".exr"))
+        argp_error(state, "--bound %s: the name ends in .exr", r->bound);
+    else
+        check_names(state, r);
 }
 
 static error_t parse(int key, char *text, struct argp_state *state) {
@@ -70,6 +81,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         return 0;
     case KEY_DEEP:
         r->deep = text;
+        return 0;
+    case KEY_BOUND:
+        r->bound = text;
         return 0;
     case KEY_ACCOUNT:
         r->account = text;
@@ -102,7 +116,7 @@ static const struct argp argp = {
 };
 
 static int check_outputs(const request *r) {
-    const char *paths[] = {r->output, r->deep, r->account};
+    const char *paths[] = {r->output, r->deep, r->bound, r->account};
     int status = CLI_DONE;
     for (size_t i = 0; i < sizeof paths / sizeof *paths && status == CLI_DONE; i++)
         if (paths[i] && strcmp(paths[i], "-") != 0)
@@ -137,6 +151,8 @@ static int render_and_save(strata *s, strata_scene *scene, const request *r) {
     result = strata_save(s, STRATA_OUTPUT_COLOR, r->output);
     if (result == STRATA_OK && r->deep)
         result = strata_save(s, STRATA_OUTPUT_DEEP, r->deep);
+    if (result == STRATA_OK && r->bound)
+        result = strata_save(s, STRATA_OUTPUT_BOUND, r->bound);
     if (result != STRATA_OK)
         return cli_fail_result(s, result);
     int told = tell_account(s, r);
@@ -154,7 +170,8 @@ int cli_render(int argc, char **argv) {
         return status;
     if (argp_parse(&argp, argc, argv, 0, NULL, &r) != 0)
         status = CLI_USAGE;
-    r.common.render.outputs = r.deep ? STRATA_OUTPUT_DEEP : 0;
+    r.common.render.outputs =
+        (r.deep ? STRATA_OUTPUT_DEEP : 0) | (r.bound ? STRATA_OUTPUT_BOUND : 0);
     r.common.render.progress = cli_progress;
     cli_catch_interrupt();
     if (status == CLI_DONE)

@@ -41,6 +41,7 @@ strata_result render_account_passes(strata *s, base_error *err) {
 void render_result_clear(render_result *result) {
     image_free(&result->color);
     image_free(&result->depth);
+    image_free(&result->bound.map);
     render_deep_free(&result->deep_build);
     free(result->frame_ms);
     free(result->passes);
@@ -77,6 +78,13 @@ static json_t *fragments_json(const render_report *report) {
                                ? STRATA_REPORT_FRAGMENTS_DROPPED
                                : STRATA_REPORT_FRAGMENTS_KEPT, /* kept and none dropped */
                            report->dropped));
+}
+
+/* Null: not asked for, or uncertified somewhere. */
+static json_t *bound_json(const render_bound *bound) {
+    if (!bound->known || bound->uncertified > 0)
+        return json_null();
+    return json_pack("{s:f, s:f}", "max", bound->max, "mean", bound->mean);
 }
 
 /* Of each technique that ran, and of the scene and the host's own targets. */
@@ -123,14 +131,13 @@ json_t *render_account_json(const strata *s) {
     for (uint32_t i = 0; i < result->frame_count; ++i)
         json_array_append_new(frame_ms, json_real(result->frame_ms[i]));
     const render_session *session = s->session;
-    /* Exact techniques' rounding is not computed pixel by pixel: null, not a guess. */
     return json_pack(
-        "{s:s, s:o, s:[i,i], s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:n, s:i, s:i, s:i, s:o}", "scene",
+        "{s:s, s:o, s:[i,i], s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:o}", "scene",
         result->scene_path ? result->scene_path : "", "device", render_device_json(s), "size",
         (int)result->width, (int)result->height, "effects", plan_json_effects(session->plan),
         "plan", plan_json_techniques(session->plan), "modules_opened", opened_json(s), "passes",
         passes_json(result), "frame_ms", frame_ms, "bytes", bytes_json(s), "fragments",
-        fragments_json(&result->report), "bound", "retries", (int)result->retries, "bands",
-        (int)result->bands, "stalls", (int)result->stalls, "warnings",
-        render_warnings_json(s, session->scene, session->plan));
+        fragments_json(&result->report), "bound", bound_json(&result->bound), "retries",
+        (int)result->retries, "bands", (int)result->bands, "stalls", (int)result->stalls,
+        "warnings", render_warnings_json(s, session->scene, session->plan));
 }

@@ -202,6 +202,7 @@ static strata_result record_opaque(render_session *session, const scene_view *vi
     gpu_begin(g, session->width, session->height);
     gpu_clear_image(g, "host", session->color, options->background);
     gpu_clear_image(g, "host", session->depth, far);
+    render_bound_begin(session);
     r = record_techniques(session, 1, 0, failed, err);
     if (r == STRATA_OK)
         r = verify_techniques(session, 1, 0, short_of, again, failed, err);
@@ -220,6 +221,7 @@ static strata_result record_bands(render_session *session, const scene_view *vie
             return r;
         gpu_begin(g, session->width, session->height);
         gpu_rectangle(g, rect->x, rect->y, rect->width, rect->height);
+        render_bound_begin_band(session);
         r = record_techniques(session, 0, band, failed, err);
         if (r == STRATA_OK)
             r = verify_techniques(session, 0, band, short_of, again, failed, err);

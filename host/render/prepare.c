@@ -156,6 +156,7 @@ static int fits(const render_session *session, const scene *sc,
                 const strata_render_options *options, const char *key) {
     return session && session->scene == sc && session->width == options->width &&
            session->height == options->height && session->shuffle == options->shuffle &&
+           session->certify == (uint32_t)render_certify(options) &&
            strcmp(session->plan_text, key) == 0;
 }
 

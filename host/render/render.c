@@ -53,9 +53,6 @@ strata_result render_options(const strata_render_options *given, strata_render_o
     if (options->samples > 1)
         return base_fail(err, STRATA_ERROR_UNSUPPORTED,
                          "samples: no installed technique filters sub-pixels");
-    if (options->outputs & STRATA_OUTPUT_BOUND)
-        return base_fail(err, STRATA_ERROR_UNSUPPORTED,
-                         "bound: no installed technique certifies its error");
     return STRATA_OK;
 }
 
@@ -91,6 +88,8 @@ static strata_result read_back(strata *s, const strata_render_options *options, 
                            (size_t)session->width * session->height * 4 * sizeof(float), err);
     if (r == STRATA_OK && (options->outputs & STRATA_OUTPUT_DEPTH))
         r = read_depth(s, err);
+    if (r == STRATA_OK && session->certify)
+        r = render_bound_read(session, &result->bound, err);
     result->has_deep = r == STRATA_OK && (options->outputs & STRATA_OUTPUT_DEEP) != 0;
     if (result->has_deep)
         result->deep = render_deep_image(session);
@@ -227,6 +226,8 @@ static const image *output_image(const strata *s, uint32_t output) {
         return NULL;
     if (output == STRATA_OUTPUT_COLOR)
         return &s->result.color;
+    if (output == STRATA_OUTPUT_BOUND && (s->result.outputs & STRATA_OUTPUT_BOUND))
+        return &s->result.bound.map;
     return output == STRATA_OUTPUT_DEPTH && s->result.has_depth ? &s->result.depth : NULL;
 }
 

@@ -12,6 +12,7 @@
  *     room.c      pools grow, or more bands
  *     native.c    the native extensions
  *     effects.c   the generated effect header
+ *     bound.c     certificates: losses and bound/1
  *     deep.c      fragments as elements, for deep images
  *     account.c   what it cost
  */
@@ -91,12 +92,15 @@ typedef struct render_session {
     scene *scene;
     uint64_t scene_revision;
     uint32_t width, height, shuffle;
+    uint32_t certify; /* how wrong the image may be is asked for */
     uint32_t careful; /* submit after each technique, to learn which one loses the device */
     plan *plan;
     char *plan_text; /* its JSON, compared to see whether it changed */
     upload *upload;
     gpu_scope *scope;
-    strata_image color, depth, limit;
+    strata_image color, depth, limit, bound; /* bound: when it is asked for */
+    gpu_scope *loss_scope;
+    strata_buffer loss; /* StrataLoss, for the largest band */
     strata_buffer frame_block;
     strata_fragments fragments;
     uint32_t has_fragments;
@@ -129,11 +133,20 @@ typedef struct render_deep {
     size_t capacity;
 } render_deep;
 
+/* How wrong an image may be. */
+typedef struct render_bound {
+    image map;            /* of each channel; +inf: uncertified */
+    double max, mean;     /* over all channels of certified pixels */
+    uint64_t uncertified; /* pixels */
+    uint32_t known;       /* 1: a certificate was asked for */
+} render_bound;
+
 /* What the last render did, for the account and the outputs. */
 typedef struct render_result {
     uint32_t valid, width, height, outputs;
     scene_view view;
     image color, depth;
+    render_bound bound;
     render_deep deep_build;
     image_deep deep;
     uint32_t has_depth, has_deep;
@@ -217,6 +230,17 @@ strata_result render_make_room(render_session *session, const render_shortage *s
 /* ---- effects.c ------------------------------------------------------------------------------- */
 /* Hands the generated effect header and the effects' sources to the device. */
 strata_result render_effects(render_session *session, base_error *err);
+
+/* ---- bound.c --------------------------------------------------------------------------------- */
+/* Whether these options ask for a certificate. */
+int render_certify(const strata_render_options *options);
+/* bound/1 and what programs see of it, before any is compiled; nothing where none is asked for. */
+strata_result render_bound_create(render_session *session, base_error *err);
+/* StrataLoss for the largest band. OUT_OF_DEVICE_MEMORY: bands must be smaller. */
+strata_result render_bound_prepare(render_session *session, base_error *err);
+void render_bound_begin(render_session *session);      /* recorded first in a frame */
+void render_bound_begin_band(render_session *session); /* recorded first in a band */
+strata_result render_bound_read(const render_session *session, render_bound *out, base_error *err);
 
 /* ---- deep.c ---------------------------------------------------------------------------------- */
 /* After the opaque part: keeps its colours. */

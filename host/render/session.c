@@ -125,6 +125,8 @@ static strata_image view_image(void *self, const char *slot) {
         return t->session->depth;
     if (strcmp(slot, "limit/1") == 0)
         return t->session->limit;
+    if (strcmp(slot, "bound/1") == 0)
+        return t->session->bound;
     return (strata_image){0};
 }
 
@@ -208,7 +210,8 @@ static strata_result prepare_technique(render_technique *t) {
                         .draws = view_draws,
                         .publish_image = view_publish_image,
                         .publish_fragments = view_publish_fragments,
-                        .fragments = view_fragments};
+                        .fragments = view_fragments,
+                        .certify = session->certify};
     memcpy(view.payload_plane_strides, p->payload.plane_strides, sizeof view.payload_plane_strides);
     for (uint32_t i = 0; i < t->pool_count; ++i)
         t->pool_capacity[i] =
@@ -243,6 +246,9 @@ strata_result render_session_prepare(render_session *session, const char **faile
         return STRATA_OK;
     session->limit = session->depth;
     session->has_fragments = 0;
+    strata_result prepared = render_bound_prepare(session, err);
+    if (prepared != STRATA_OK)
+        return prepared;
     for (uint32_t i = 0; i < session->technique_count; ++i) {
         render_technique *t = &session->techniques[i];
         t->error = (base_error){0};
@@ -379,6 +385,7 @@ strata_result render_session_create(strata *s, scene *sc, const strata_render_op
                                 .width = options->width,
                                 .height = options->height,
                                 .shuffle = options->shuffle,
+                                .certify = (uint32_t)render_certify(options),
                                 .plan = p,
                                 .stats = p->stats,
                                 .changed = 0xffffffffu};
@@ -387,6 +394,8 @@ strata_result render_session_create(strata *s, scene *sc, const strata_render_op
     if (!session->scope || !session->techniques)
         return base_fail(err, r, "session: out of memory");
     r = create_targets(session, err);
+    if (r == STRATA_OK)
+        r = render_bound_create(session, err);
     if (r == STRATA_OK)
         r = create_upload(session, err);
     if (r == STRATA_OK)
@@ -413,6 +422,7 @@ void render_session_free(render_session *session) {
     }
     free(session->techniques);
     upload_free(session->upload);
+    gpu_scope_end(session->loss_scope);
     gpu_scope_end(session->scope);
     free(session->bands);
     free(session->plan_text);

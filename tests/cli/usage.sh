@@ -17,7 +17,10 @@ refuse 'picture of unknown kind' 2 '.png or .exr' render scene:layers -o x.jpg
 refuse 'a suffix is not a name' 2 '.png or .exr' render scene:layers -o .png
 refuse 'deep is EXR' 2 '.exr' render scene:layers -o x.png --deep d.png
 refuse 'deep over the picture' 2 'same file' render scene:layers -o x.exr --deep x.exr
-refuse 'account over the picture' 2 'holds a picture' render scene:layers -o x.exr --account x.exr
+refuse 'account over the picture' 2 'same file' render scene:layers -o x.exr --account x.exr
+refuse 'bound over the picture' 2 'same file' render scene:layers -o x.exr --bound x.exr
+refuse 'bound as png' 2 'ends in .exr' render scene:layers -o x.exr --bound b.png
+refuse 'a negative tolerance' 2 'tolerance' render scene:layers -o x.exr --tolerance -1
 
 for size in 0x5 5x0 5 5x 5x5x5 -5x5 5X5 ' 5x5' 70000x5 99999999999999999999x5 0x10x5 1e2x5; do
     refuse "size '$size'" 2 'expected WxH' render scene:layers -o x.png --size "$size"

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Certificates: where a frame is asked how wrong it may be, the image bound/1 and the block
+ * StrataLoss (shaders/strata/certificate.glsl), in which techniques account for what they drop.
+ * Stands between the frame and the image.
+ */
+#include "render/render.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+int render_certify(const strata_render_options *options) {
+    return (options->outputs & STRATA_OUTPUT_BOUND) != 0 || options->tolerance > 0;
+}
+
+static uint32_t loss_words(const plan *p) {
+    return p->transmittance_channels == 3 ? 10 : 8;
+}
+
+/* Whether what folds says how wrong it may be: it names the slot bound/1. */
+static int certifies(const render_session *session) {
+    for (uint32_t i = 0; i < session->technique_count; ++i) {
+        const strata_technique *t = session->techniques[i].technique;
+        if (strcmp(t->stage, "resolve") != 0 && strcmp(t->stage, "stream") != 0)
+            continue;
+        for (uint32_t k = 0; k < t->slot_count; ++k)
+            if (strcmp(t->slots[k]->slot, "bound/1") == 0)
+                return 1;
+        return 0;
+    }
+    return 1; /* nothing is folded */
+}
+
+strata_result render_bound_create(render_session *session, base_error *err) {
+    gpu *g = session->owner->gpu;
+    char words[16];
+    snprintf(words, sizeof words, "%uu", loss_words(session->plan));
+    strata_result r = gpu_set_define(g, "STRATA_BOUND", session->certify ? words : NULL, err);
+    if (r != STRATA_OK || !session->certify)
+        return r;
+    const strata_image_desc bound = {.struct_size = sizeof bound,
+                                     .label = "bound/1",
+                                     .format = STRATA_FORMAT_RGBA32F,
+                                     .width = session->width,
+                                     .height = session->height};
+    return gpu_image_create(session->scope, &bound, &session->bound, err);
+}
+
+strata_result render_bound_prepare(render_session *session, base_error *err) {
+    gpu *g = session->owner->gpu;
+    if (!session->certify || !session->plan->transparent)
+        return STRATA_OK;
+    const uint64_t bytes = (uint64_t)session->band_width * session->band_height *
+                           loss_words(session->plan) * sizeof(uint32_t);
+    const uint64_t range = gpu_fact(g, "limit.storage_range");
+    gpu_scope_end(session->loss_scope);
+    session->loss_scope = NULL;
+    if (range && bytes > range)
+        return base_fail(err, STRATA_ERROR_OUT_OF_DEVICE_MEMORY,
+                         "losses take %llu bytes, a storage range has %llu",
+                         (unsigned long long)bytes, (unsigned long long)range);
+    session->loss_scope = gpu_scope_create(g, "host");
+    if (!session->loss_scope)
+        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "losses: out of memory");
+    strata_result r = gpu_buffer_create(session->loss_scope,
+                                        &(strata_buffer_desc){
+                                            .struct_size = sizeof(strata_buffer_desc),
+                                            .label = "losses",
+                                            .size = bytes,
+                                        },
+                                        &session->loss, err);
+    if (r != STRATA_OK)
+        return r;
+    return gpu_set_global(g, "StrataLoss",
+                          &(strata_bind){.struct_size = sizeof(strata_bind),
+                                         .name = "StrataLoss",
+                                         .buffer = session->loss},
+                          err);
+}
+
+void render_bound_begin(render_session *session) {
+    const float unknown = certifies(session) ? 0.0f : INFINITY;
+    const float value[4] = {unknown, unknown, unknown, unknown};
+    if (session->certify)
+        gpu_clear_image(session->owner->gpu, "host", session->bound, value);
+}
+
+void render_bound_begin_band(render_session *session) {
+    if (session->certify && session->plan->transparent)
+        gpu_fill(session->owner->gpu, "host", session->loss, 0, 0, 0);
+}
+
+strata_result render_bound_read(const render_session *session, render_bound *out, base_error *err) {
+    const size_t pixels = (size_t)session->width * session->height;
+    double sum = 0;
+    image_free(&out->map);
+    *out = (render_bound){.known = 1};
+    strata_result r = image_create(session->width, session->height, &out->map, err);
+    if (r == STRATA_OK)
+        r = gpu_image_read(session->owner->gpu, session->bound, 0, out->map.pixels,
+                           pixels * 4 * sizeof(float), err);
+    if (r != STRATA_OK)
+        return r;
+    for (size_t i = 0; i < pixels; ++i) {
+        const float *p = out->map.pixels + 4 * i;
+        double largest = 0;
+        for (int c = 0; c < 4; ++c)
+            largest = p[c] >= 0 && largest < HUGE_VAL ? fmax(largest, (double)p[c]) : HUGE_VAL;
+        if (largest == HUGE_VAL) {
+            out->uncertified++;
+            continue;
+        }
+        out->max = fmax(out->max, largest);
+        sum += ((double)p[0] + (double)p[1] + (double)p[2] + (double)p[3]) / 4;
+    }
+    out->mean = pixels > out->uncertified ? sum / (double)(pixels - out->uncertified) : 0;
+    return STRATA_OK;
+}
