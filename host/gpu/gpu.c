@@ -209,6 +209,7 @@ void gpu_close(gpu *g) {
         gpu_flush(g);
     while (g->scopes)
         gpu_scope_end(g->scopes);
+    gpu_programs_free(g);
     g->backend->close(g->self);
     free_texts(g->includes);
     free_texts(g->defines);

@@ -22,7 +22,7 @@ typedef struct entry_header {
     gpu_reflection reflection;
 } entry_header;
 
-static void make_keys(const gpu *g, const gpu_program_state *program, uint64_t keys[2]) {
+void gpu_cache_keys(const gpu *g, const gpu_program_state *program, uint64_t keys[2]) {
     const uint32_t facts[] = {CACHE_FORMAT, gpu_compiler_version(), program->kind,
                               g->caps.vulkan_target != 0};
     for (uint64_t i = 0; i < 2; i++) {
@@ -74,7 +74,7 @@ static int copy_words(const unsigned char *from, uint64_t count, uint32_t **word
 int gpu_cache_load(const gpu *g, const gpu_program_state *program, gpu_spirv *spirv,
                    gpu_reflection *reflection) {
     char path[4096];
-    uint64_t keys[2];
+    const uint64_t *keys = program->keys;
     unsigned char *data = NULL;
     size_t size = 0;
     base_error ignored = {0};
@@ -82,7 +82,6 @@ int gpu_cache_load(const gpu *g, const gpu_program_state *program, gpu_spirv *sp
     int loaded = 0;
     if (!g->cache_dir)
         return 0;
-    make_keys(g, program, keys);
     if (!make_path(g, keys, path, sizeof path) ||
         base_file_read(path, LARGEST_ENTRY, &data, &size, &ignored) != STRATA_OK)
         return 0;
@@ -118,7 +117,7 @@ void gpu_cache_store(const gpu *g, const gpu_program_state *program, const gpu_s
     memcpy(header.magic, "STRSPIRV", 8);
     header.format = CACHE_FORMAT;
     header.binding_bytes = sizeof(gpu_binding);
-    make_keys(g, program, header.keys);
+    memcpy(header.keys, program->keys, sizeof header.keys);
     header.words[0] = spirv->count[0];
     header.words[1] = spirv->count[1];
     memcpy(&header.reflection, reflection, sizeof header.reflection);

@@ -90,7 +90,12 @@ static inline int gpu_format_is_integer(uint32_t format) {
 
 typedef enum gpu_output { GPU_OUTPUT_NONE, GPU_OUTPUT_FLOAT, GPU_OUTPUT_UINT } gpu_output;
 
+/* Programs of equal text are one: built states are shared, and some are kept when nothing uses them
+ * any more, since techniques that prepare again ask for the same ones. */
 typedef struct gpu_program_state {
+    struct gpu_program_state *next; /* of the device's built ones, last used first */
+    uint64_t keys[2];               /* of the text and its target */
+    uint32_t users;
     uint32_t kind, binding_count, params_size, built;
     void *native;
     uint8_t outputs[GPU_MAX_COLOR]; /* gpu_output of the fragment stage, by location */
@@ -162,6 +167,7 @@ struct gpu {
     gpu_scope *scopes;
     gpu_text *includes, *defines;
     gpu_global *globals;
+    gpu_program_state *programs;
 
     gpu_inject inject;
     uint64_t inject_at, creations, submits;
@@ -268,7 +274,8 @@ void gpu_flush(gpu *g); /* submits and waits; failures stick to the frame */
  */
 
 strata_result gpu_program_build(gpu *g, gpu_object *program, base_error *err);
-void gpu_program_free(gpu *g, gpu_program_state *program);
+void gpu_program_release(gpu *g, gpu_program_state *program); /* NULL is fine */
+void gpu_programs_free(gpu *g);                               /* all that are kept */
 
 /* The library under shaders/strata, NULL-terminated. */
 const strata_glsl *const *gpu_library(void);
@@ -308,6 +315,8 @@ typedef struct gpu_spirv_binding {
 strata_result gpu_spirv_rewrite(uint32_t **words, size_t *count, const gpu_spirv_binding *bindings,
                                 uint32_t binding_count, int sets, base_error *err);
 
+/* Of the expanded text, the target and the compiler. */
+void gpu_cache_keys(const gpu *g, const gpu_program_state *program, uint64_t keys[2]);
 /* 1 and both results filled when a sound entry is there. */
 int gpu_cache_load(const gpu *g, const gpu_program_state *program, gpu_spirv *spirv,
                    gpu_reflection *reflection);

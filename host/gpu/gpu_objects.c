@@ -87,7 +87,7 @@ static void end_object(gpu *g, gpu_object *object) {
         gpu_storage_release(g, object->image.storage);
         break;
     case GPU_PROGRAM:
-        gpu_program_free(g, object->program);
+        gpu_program_release(g, object->program);
         break;
     case GPU_POOL: /* its planes are buffers of the same scope */
     case GPU_DRAWS:

@@ -1,25 +1,68 @@
 /* SPDX-License-Identifier: MIT
  *
  * Programs: the text is expanded when a program is created, compiled then or (LAZY) in the first
- * pass that uses it, reflected, cached on disk and handed to the backend.
+ * pass that uses it, reflected, cached on disk and handed to the backend. Equal texts share what
+ * the backend made of them; of those that nothing uses any more the last MAX_IDLE are kept.
  */
 #include "gpu/gpu_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+enum { MAX_IDLE = 256 };
+
 static void free_sources(gpu_program_state *program) {
     gpu_source_free(&program->sources[0]);
     gpu_source_free(&program->sources[1]);
 }
 
-void gpu_program_free(gpu *g, gpu_program_state *program) {
-    if (!program)
-        return;
+static void destroy(gpu *g, gpu_program_state *program) {
     if (program->native)
         g->backend->program_destroy(g->self, program->native);
     free_sources(program);
     free(program);
+}
+
+void gpu_program_release(gpu *g, gpu_program_state *program) {
+    uint32_t idle = 0;
+    if (!program)
+        return;
+    if (!program->built) { /* not shared yet */
+        destroy(g, program);
+        return;
+    }
+    program->users--;
+    for (gpu_program_state **at = &g->programs; *at;) {
+        gpu_program_state *p = *at;
+        if (p->users > 0 || ++idle <= MAX_IDLE) {
+            at = &p->next;
+        } else {
+            *at = p->next;
+            destroy(g, p);
+        }
+    }
+}
+
+void gpu_programs_free(gpu *g) {
+    for (gpu_program_state *p = g->programs, *next; p; p = next) {
+        next = p->next;
+        destroy(g, p);
+    }
+    g->programs = NULL;
+}
+
+/* The built program of these keys, moved to the front, or NULL. */
+static gpu_program_state *find_built(gpu *g, const uint64_t keys[2]) {
+    for (gpu_program_state **at = &g->programs; *at; at = &(*at)->next) {
+        gpu_program_state *p = *at;
+        if (p->keys[0] != keys[0] || p->keys[1] != keys[1])
+            continue;
+        *at = p->next;
+        p->next = g->programs;
+        g->programs = p;
+        return p;
+    }
+    return NULL;
 }
 
 /* SPIR-V and reflection, from the cache or by compiling. */
@@ -61,6 +104,14 @@ strata_result gpu_program_build(gpu *g, gpu_object *object, base_error *err) {
     gpu_reflection reflection;
     if (program->built)
         return STRATA_OK;
+    gpu_cache_keys(g, program, program->keys);
+    gpu_program_state *same = find_built(g, program->keys);
+    if (same) {
+        same->users++;
+        object->program = same;
+        destroy(g, program);
+        return STRATA_OK;
+    }
     strata_result result = translate(g, object, &spirv, &reflection, err);
     if (result == STRATA_OK)
         result = check_blocks(g, object, &reflection, err);
@@ -86,6 +137,9 @@ strata_result gpu_program_build(gpu *g, gpu_object *object, base_error *err) {
     gpu_spirv_free(&spirv);
     if (result == STRATA_OK) {
         program->built = 1;
+        program->users = 1;
+        program->next = g->programs;
+        g->programs = program;
         free_sources(program);
     }
     return result;

@@ -22,11 +22,11 @@ typedef struct exact_way {
 
 /* A technique's own test holds its edge cases; here stands one row for each of its paths. */
 static const exact_way ways[] = {
-    {{.use = "abuffer,ppc", .settings = {"abuffer.mode=contiguous"}, .shuffle = 3}},
-    {{.use = "abuffer,ppc", .settings = {"abuffer.mode=linked"}, .shuffle = 3}},
-    {{.use = "abuffer,ppc", .settings = {"abuffer.mode=linked", "abuffer.payload=half"}},
+    {.way = {.use = "abuffer,ppc", .settings = {"abuffer.mode=contiguous"}, .shuffle = 3}},
+    {.way = {.use = "abuffer,ppc", .settings = {"abuffer.mode=linked"}, .shuffle = 3}},
+    {.way = {.use = "abuffer,ppc", .settings = {"abuffer.mode=linked", "abuffer.payload=half"}},
      .payload = "half"},
-    {{.use = "abuffer,ppc", .settings = {"abuffer.mode=linked", "abuffer.payload=unorm8"}},
+    {.way = {.use = "abuffer,ppc", .settings = {"abuffer.mode=linked", "abuffer.payload=unorm8"}},
      .payload = "unorm8"},
 };
 
