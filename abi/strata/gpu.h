@@ -132,14 +132,18 @@ typedef struct strata_bind {
 #define STRATA_BLEND_FOLD 7u /* s.rgb + s.a d.rgb; alpha: d.a * s.a; (C, T) elements, far to near */
 
 /* All attachments of a pass have one size and as many layers. A clear reaches every layer; fragments
- * land in layer 0. */
+ * land in layer 0.
+ *
+ * Where the fact "ordered_attachments" is 1, a fragment shader may read and replace the texels of
+ * colour attachments (strata/ordered.glsl), in primitive order at each pixel; exactly those have
+ * `read`. They are plain 2D images and not blended. */
 typedef struct strata_attachment {
     uint32_t struct_size;
     strata_image image;
     uint32_t load;      /* STRATA_LOAD_* */
     uint32_t blend;     /* STRATA_BLEND_*; colour only */
     uint32_t mask_off;  /* colour: bits r=1 g=2 b=4 a=8 that are not written */
-    uint32_t reserved;
+    uint32_t read;      /* colour: 1 = the shader reads the texel that it replaces, see above */
     float clear[4];     /* colour; depth in [0], stencil in [1]; integer formats: the value as float */
 } strata_attachment;
 

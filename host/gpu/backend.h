@@ -21,6 +21,7 @@
 #define GPU_ACCESS_COPY_READ     256u
 #define GPU_ACCESS_COPY_WRITE    512u
 #define GPU_ACCESS_NATIVE        1024u /* a native pass: any access, in any stage */
+#define GPU_ACCESS_COLOR_READ    2048u /* attachment, read by the fragment shader too */
 #define GPU_ACCESS_WRITES                                                                          \
     (GPU_ACCESS_STORAGE_WRITE | GPU_ACCESS_COLOR | GPU_ACCESS_DEPTH | GPU_ACCESS_COPY_WRITE |      \
      GPU_ACCESS_NATIVE)
@@ -41,7 +42,8 @@ typedef enum gpu_binding_kind {
     GPU_BINDING_STORAGE,
     GPU_BINDING_SAMPLED, /* combined image sampler: nearest, clamp to edge; texelFetch mostly */
     GPU_BINDING_STORAGE_IMAGE,
-    GPU_BINDING_PARAMS /* Vulkan: push constants; GL: a uniform buffer */
+    GPU_BINDING_PARAMS,    /* Vulkan: push constants; GL: a uniform buffer */
+    GPU_BINDING_ATTACHMENT /* Vulkan: an input attachment, that colour attachment of the pass */
 } gpu_binding_kind;
 
 typedef struct gpu_binding { /* reflected from SPIR-V; `binding` is unique within its kind (GL) or
@@ -54,6 +56,7 @@ typedef struct gpu_binding { /* reflected from SPIR-V; `binding` is unique withi
     uint32_t size;   /* of a block, bytes, an unsized array at its end left out; images: 0 */
     uint32_t format; /* of a storage image: STRATA_FORMAT_*, 0 when the shader names none */
     uint32_t arrayed, is_unsigned; /* images: 2D array; uimage or usampler */
+    uint32_t attachment;           /* of GPU_BINDING_ATTACHMENT: its number */
 } gpu_binding;
 
 typedef struct gpu_program_info {
@@ -64,6 +67,7 @@ typedef struct gpu_program_info {
     const gpu_binding *bindings; /* lives as long as the program */
     uint32_t binding_count;
     uint32_t params_size;
+    uint32_t reads; /* bit i: the fragment stage reads colour attachment i */
 } gpu_program_info;
 
 typedef struct gpu_native_bind {

@@ -31,6 +31,7 @@ strata_result gpu_code_result(gpu_code code) {
     case GPU_ERROR_PROGRAM_COMPILE:
         return STRATA_ERROR_SHADER;
     case GPU_ERROR_PROGRAM_BLOCKS:
+    case GPU_ERROR_ORDERED_MISSING:
         return STRATA_ERROR_UNSUPPORTED;
     case GPU_ERROR_MEMORY:
         return STRATA_ERROR_OUT_OF_DEVICE_MEMORY;
@@ -127,12 +128,17 @@ static strata_result open_backend(gpu *g, const gpu_open_info *info, base_error 
                      info->backend ? info->backend : "");
 }
 
-/* "allocation:N" or "lost:N", N >= 1. */
+/* "allocation:N" or "lost:N", N >= 1, or "lacks:FACT". */
 static strata_result parse_inject(gpu *g, const char *text, base_error *err) {
     const char *colon = text ? strchr(text, ':') : NULL;
     char *end = NULL;
     if (!text || !text[0])
         return STRATA_OK;
+    if (strncmp(text, "lacks:", 6) == 0 && text[6] && strlen(text + 6) < sizeof g->lacks) {
+        g->inject = GPU_INJECT_LACKS;
+        snprintf(g->lacks, sizeof g->lacks, "%s", text + 6);
+        return STRATA_OK;
+    }
     if (colon && colon[1] >= '0' && colon[1] <= '9')
         g->inject_at = strtoull(colon + 1, &end, 10);
     if (strncmp(text, "allocation:", 11) == 0)
@@ -141,7 +147,7 @@ static strata_result parse_inject(gpu *g, const char *text, base_error *err) {
         g->inject = GPU_INJECT_LOST;
     if (g->inject == GPU_INJECT_NONE || !end || *end || g->inject_at == 0)
         return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
-                         "inject '%s' is neither allocation:N nor lost:N", text);
+                         "inject '%s' is none of allocation:N, lost:N and lacks:FACT", text);
     return STRATA_OK;
 }
 
@@ -242,6 +248,14 @@ const char *gpu_null_log(const gpu *g) {
 
 /* ---- facts ---------------------------------------------------------------------------------- */
 
+/* The null backend only logs; nothing is to be found out there. */
+static int has_ordered_attachments(gpu *g) {
+    if (!g->caps.raster_order_attachments && !g->caps.framebuffer_fetch)
+        return 0;
+    return g->backend == &gpu_backend_null || g->selftest_running ||
+           gpu_selftest(g, "selftest.ordered_attachments");
+}
+
 uint64_t gpu_fact(gpu *g, const char *id) {
     const gpu_backend_caps *caps = &g->caps;
     const struct {
@@ -262,8 +276,10 @@ uint64_t gpu_fact(gpu *g, const char *id) {
         {"feature.subgroup_ballot", caps->subgroup_ballot},
         {"feature.stencil_export", caps->stencil_export},
     };
-    if (!id)
+    if (!id || (g->inject == GPU_INJECT_LACKS && strcmp(id, g->lacks) == 0))
         return 0;
+    if (strcmp(id, "ordered_attachments") == 0)
+        return (uint64_t)has_ordered_attachments(g);
     for (size_t i = 0; i < BASE_COUNT(facts); i++)
         if (strcmp(id, facts[i].id) == 0)
             return facts[i].value;

@@ -44,6 +44,8 @@ typedef struct gpu_scope gpu_scope;
     X(ATTACHMENT_SIZE, "attachments differ in size or layers")                                     \
     X(ATTACHMENT_HAZARD, "an attachment is also bound for reading or writing")                     \
     X(OUTPUT_TYPE, "the program writes no output of this attachment's type")                       \
+    X(ATTACHMENT_READ, "the program reads other attachments than the pass says")                   \
+    X(ORDERED_MISSING, "the device has no ordered attachments that can be read")                   \
     X(OPAQUE_WRITES, "storage is written beside an opaque colour output")                          \
     X(DRAWS_MISSING, "a scene program needs draws")                                                \
     X(GROUPS_LIMIT, "work groups exceed the device's limit")                                       \
@@ -66,8 +68,9 @@ typedef struct gpu_open_info {
     const char *cache_dir; /* SPIR-V and self-test cache; NULL = none */
     int check;             /* driver validation; its messages fail the frame */
     int profile;           /* time each pass */
-    const char
-        *inject; /* "allocation:N": the N-th creation fails; "lost:N": the N-th submit; or NULL */
+    /* "allocation:N": the N-th creation fails; "lost:N": the N-th submit; "lacks:FACT": that fact
+     * is 0; or NULL */
+    const char *inject;
 } gpu_open_info;
 
 typedef struct gpu_device_info {
@@ -87,7 +90,9 @@ void gpu_enumerate(void (*found)(void *user, const gpu_device_info *info, uint32
  * limit.memory (bytes of device memory, 0 unknown), limit.subgroup (size). Features:
  * feature.int64_atomics, feature.fragment_interlock, feature.raster_order_attachments,
  * feature.framebuffer_fetch, feature.subgroup_ballot, feature.stencil_export. Self-tests (run when
- * first asked, cached per driver): selftest.timestamps, selftest.ordered_rmw. */
+ * first asked, cached per driver): selftest.timestamps, selftest.ordered_rmw,
+ * selftest.ordered_attachments. ordered_attachments: one of the features for it, and its
+ * self-test. */
 uint64_t gpu_fact(gpu *g, const char *id);
 
 /* ---- scopes and objects -----------------------------------------------------------------------

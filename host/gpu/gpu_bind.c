@@ -16,10 +16,13 @@ typedef struct bind_context {
     uint8_t bound[GPU_MAX_BINDINGS]; /* of the program's bindings */
 } bind_context;
 
+static int is_bound_by_name(const gpu_binding *binding) {
+    return binding->kind != GPU_BINDING_PARAMS && binding->kind != GPU_BINDING_ATTACHMENT;
+}
+
 static int find_binding(const gpu_program_state *program, const char *name) {
     for (uint32_t i = 0; i < program->binding_count; i++)
-        if (program->bindings[i].kind != GPU_BINDING_PARAMS &&
-            strcmp(program->bindings[i].name, name) == 0)
+        if (is_bound_by_name(&program->bindings[i]) && strcmp(program->bindings[i].name, name) == 0)
             return (int)i;
     return -1;
 }
@@ -241,8 +244,7 @@ int gpu_bind_resolve(gpu *g, const strata_pass *pass, const gpu_object *program,
             return 0;
     }
     for (uint32_t i = 0; i < c.program->binding_count; i++)
-        if (!c.bound[i] && c.program->bindings[i].kind != GPU_BINDING_PARAMS &&
-            !bind_global(&c, (int)i))
+        if (!c.bound[i] && is_bound_by_name(&c.program->bindings[i]) && !bind_global(&c, (int)i))
             return 0;
     return 1;
 }

@@ -15,7 +15,7 @@
 #define GPU_MAX_USES     (GPU_MAX_BINDINGS + GPU_MAX_COLOR + 8u)
 #define GPU_MAX_UNIFORM  65536u /* bytes of a uniform block that every supported driver takes */
 #define GPU_MAX_PARAMS   128u
-#define GPU_SELFTESTS    2
+#define GPU_SELFTESTS    3
 #define GPU_POOL_MINIMUM 1024u /* elements of a pool whose maker expected nothing */
 
 /* ---- storage, owners, scopes ------------------------------------------------------------------
@@ -98,6 +98,7 @@ typedef struct gpu_program_state {
     uint32_t users;
     uint32_t kind, binding_count, params_size, built;
     void *native;
+    uint32_t reads;                 /* bit i: the fragment stage reads colour attachment i */
     uint8_t outputs[GPU_MAX_COLOR]; /* gpu_output of the fragment stage, by location */
     gpu_source sources[2];          /* until it is built; [0] compute or vertex, [1] fragment */
     gpu_binding bindings[GPU_MAX_BINDINGS];
@@ -150,7 +151,12 @@ typedef struct gpu_slot {
     uint32_t generation, next_free;
 } gpu_slot;
 
-typedef enum gpu_inject { GPU_INJECT_NONE, GPU_INJECT_ALLOCATION, GPU_INJECT_LOST } gpu_inject;
+typedef enum gpu_inject {
+    GPU_INJECT_NONE,
+    GPU_INJECT_ALLOCATION,
+    GPU_INJECT_LOST,
+    GPU_INJECT_LACKS
+} gpu_inject;
 
 struct gpu {
     const gpu_backend *backend;
@@ -170,6 +176,7 @@ struct gpu {
     gpu_program_state *programs;
 
     gpu_inject inject;
+    char lacks[64]; /* GPU_INJECT_LACKS: the fact that is 0 */
     uint64_t inject_at, creations, submits;
     int lost;
 
@@ -301,6 +308,7 @@ uint32_t gpu_compiler_version(void);
  * SPIR-V; resources that nothing uses are removed from it. */
 typedef struct gpu_reflection {
     uint32_t binding_count, params_size;
+    uint32_t reads; /* as in gpu_program_state */
     uint8_t outputs[GPU_MAX_COLOR];
     gpu_binding bindings[GPU_MAX_BINDINGS];
 } gpu_reflection;

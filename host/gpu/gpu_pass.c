@@ -62,11 +62,38 @@ static gpu_object *attach(pass_context *c, const strata_attachment *attachment, 
                             object->label);
             return NULL;
         }
+    if (attachment->read && (access != GPU_ACCESS_COLOR || c->native.call || image->layers ||
+                             attachment->read > 1 || attachment->blend != STRATA_BLEND_NONE)) {
+        gpu_record_fail(c->g, GPU_ERROR_VALUE, "%s: image '%s' cannot be read", name,
+                        object->label);
+        return NULL;
+    }
+    if (attachment->read)
+        access |= GPU_ACCESS_COLOR_READ;
     c->native.width = image->width;
     c->native.height = image->height;
     c->layers = layers;
     gpu_uses_add(&c->attachments, image->storage, c->native.call ? GPU_ACCESS_NATIVE : access, 0);
     return object;
+}
+
+/* What the program reads is what the pass says it reads, and stands behind its input attachments.
+ */
+static int take_reads(pass_context *c) {
+    const gpu_program_state *program = c->program->program;
+    gpu_resolved *out = &c->resolved;
+    uint32_t reads = 0;
+    for (uint32_t i = 0; i < c->pass.color_count; i++)
+        reads |= c->color[i].read << i;
+    if (reads != program->reads)
+        return fail(c, GPU_ERROR_ATTACHMENT_READ, c->program->label);
+    for (uint32_t i = 0; i < program->binding_count; i++) {
+        const gpu_binding *binding = &program->bindings[i];
+        if (binding->kind == GPU_BINDING_ATTACHMENT)
+            out->binds[out->count++] = (gpu_native_bind){
+                .binding = binding, .native = c->native.color[binding->attachment]};
+    }
+    return 1;
 }
 
 static int take_color(pass_context *c) {
@@ -279,11 +306,14 @@ static int check_feedback(pass_context *c) {
     return 1;
 }
 
-/* llvmpipe drops a tile's earlier storage writes when an opaque triangle covers it later. */
+/* llvmpipe drops a tile's earlier storage writes when an opaque triangle covers it later. Where the
+ * shader reads an attachment nothing is opaque. */
 static int check_opaque_writes(pass_context *c) {
     int opaque = 0;
     for (uint32_t i = 0; i < c->pass.color_count; i++)
         opaque |= c->color[i].blend == STRATA_BLEND_NONE && c->color[i].mask_off != 15;
+    for (uint32_t i = 0; i < c->pass.color_count; i++)
+        opaque &= !c->color[i].read;
     for (uint32_t i = 0; opaque && i < c->resolved.count; i++) {
         const gpu_binding *binding = c->resolved.binds[i].binding;
         if ((binding->stages & GPU_STAGE_FRAGMENT) &&
@@ -347,7 +377,7 @@ static int take_pass(pass_context *c, const strata_pass *given) {
     if (c->program->program->kind == STRATA_PROGRAM_COMPUTE)
         return take_groups(c);
     return take_color(c) && take_depth(c) && take_target(c) && take_draws(c) && check_feedback(c) &&
-           check_opaque_writes(c);
+           check_opaque_writes(c) && take_reads(c);
 }
 
 static void record(pass_context *c) {

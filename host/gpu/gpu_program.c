@@ -115,11 +115,14 @@ strata_result gpu_program_build(gpu *g, gpu_object *object, base_error *err) {
     strata_result result = translate(g, object, &spirv, &reflection, err);
     if (result == STRATA_OK)
         result = check_blocks(g, object, &reflection, err);
+    if (result == STRATA_OK && reflection.reads && !gpu_fact(g, "ordered_attachments"))
+        result = gpu_fail(g, err, GPU_ERROR_ORDERED_MISSING, "program '%s'", object->label);
     if (result == STRATA_OK) {
         memcpy(program->bindings, reflection.bindings, sizeof program->bindings);
         memcpy(program->outputs, reflection.outputs, sizeof program->outputs);
         program->binding_count = reflection.binding_count;
         program->params_size = reflection.params_size;
+        program->reads = reflection.reads;
         const gpu_program_info info = {
             .label = object->label,
             .kind = program->kind,
@@ -128,6 +131,7 @@ strata_result gpu_program_build(gpu *g, gpu_object *object, base_error *err) {
             .bindings = program->bindings,
             .binding_count = program->binding_count,
             .params_size = program->params_size,
+            .reads = program->reads,
         };
         result = gpu_backend_result(
             g, err, g->backend->program_create(g->self, &info, &program->native, err));

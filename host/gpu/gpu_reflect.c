@@ -106,7 +106,8 @@ static strata_result describe_block(reflection_context *c, const spvc_reflected_
 
 static strata_result describe(reflection_context *c, const spvc_reflected_resource *resource,
                               gpu_binding_kind kind, gpu_binding *binding) {
-    const int is_image = kind == GPU_BINDING_SAMPLED || kind == GPU_BINDING_STORAGE_IMAGE;
+    const int is_image = kind == GPU_BINDING_SAMPLED || kind == GPU_BINDING_STORAGE_IMAGE ||
+                         kind == GPU_BINDING_ATTACHMENT;
     const char *name = resource->name;
     if (!is_image) /* blocks are bound by the block's name, not the instance's */
         name = spvc_compiler_get_name(c->compiler, resource->base_type_id);
@@ -123,6 +124,15 @@ static strata_result describe(reflection_context *c, const spvc_reflected_resour
     case GPU_BINDING_SAMPLED:
         binding->access = GPU_ACCESS_SAMPLED;
         break;
+    case GPU_BINDING_ATTACHMENT:
+        binding->access = GPU_ACCESS_COLOR_READ;
+        binding->attachment = spvc_compiler_get_decoration(c->compiler, resource->id,
+                                                           SpvDecorationInputAttachmentIndex);
+        if (binding->attachment >= GPU_MAX_COLOR)
+            return base_fail(c->err, STRATA_ERROR_SHADER, "%s: '%s' is attachment %u", c->label,
+                             binding->name, binding->attachment);
+        c->out->reads |= 1u << binding->attachment;
+        return STRATA_OK;
     case GPU_BINDING_STORAGE:
     case GPU_BINDING_STORAGE_IMAGE:
         binding->access = storage_access(c, resource->id, kind == GPU_BINDING_STORAGE);
@@ -182,6 +192,8 @@ static strata_result reflect_type(reflection_context *c, spvc_resources resource
         gpu_binding_kind kind = GPU_BINDING_SAMPLED;
         if (type == SPVC_RESOURCE_TYPE_STORAGE_IMAGE)
             kind = GPU_BINDING_STORAGE_IMAGE;
+        else if (type == SPVC_RESOURCE_TYPE_SUBPASS_INPUT)
+            kind = GPU_BINDING_ATTACHMENT;
         else if (type != SPVC_RESOURCE_TYPE_SAMPLED_IMAGE)
             kind = block_kind(c, type, &list[i]);
         strata_result result = describe(c, &list[i], kind, &binding);
@@ -193,8 +205,10 @@ static strata_result reflect_type(reflection_context *c, spvc_resources resource
     return STRATA_OK;
 }
 
-/* Which colour attachments the fragment stage writes, and as what. */
+/* Which colour attachments the fragment stage writes, and as what; which of them it reads too:
+ * those that strata/ordered.glsl declares. */
 static strata_result reflect_outputs(reflection_context *c, spvc_resources resources) {
+    static const char ordered[] = "strata_ordered_";
     const spvc_reflected_resource *list = NULL;
     size_t count = 0;
     if (spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_STAGE_OUTPUT, &list,
@@ -205,6 +219,8 @@ static strata_result reflect_outputs(reflection_context *c, spvc_resources resou
         spvc_basetype base = spvc_type_get_basetype(type);
         uint32_t first =
             spvc_compiler_get_decoration(c->compiler, list[i].id, SpvDecorationLocation);
+        if (first < GPU_MAX_COLOR && strncmp(list[i].name, ordered, sizeof ordered - 1) == 0)
+            c->out->reads |= 1u << first;
         uint32_t length =
             spvc_type_get_num_array_dimensions(type) ? spvc_type_get_array_dimension(type, 0) : 1;
         for (uint32_t k = 0; k < length && k < GPU_MAX_COLOR && first + k < GPU_MAX_COLOR; k++)
@@ -220,7 +236,7 @@ static strata_result reflect_stage(reflection_context *c, spvc_context context,
     static const spvc_resource_type types[] = {
         SPVC_RESOURCE_TYPE_UNIFORM_BUFFER, SPVC_RESOURCE_TYPE_PUSH_CONSTANT,
         SPVC_RESOURCE_TYPE_STORAGE_BUFFER, SPVC_RESOURCE_TYPE_SAMPLED_IMAGE,
-        SPVC_RESOURCE_TYPE_STORAGE_IMAGE,
+        SPVC_RESOURCE_TYPE_STORAGE_IMAGE,  SPVC_RESOURCE_TYPE_SUBPASS_INPUT,
     };
     spvc_parsed_ir ir;
     spvc_set active;
@@ -244,7 +260,7 @@ static strata_result reflect_stage(reflection_context *c, spvc_context context,
 /* ---- numbers -------------------------------------------------------------------------------- */
 
 static void number_bindings(reflection_context *c) {
-    uint32_t next[GPU_BINDING_PARAMS + 1] = {0}, next_vulkan = 0;
+    uint32_t next[GPU_BINDING_ATTACHMENT + 1] = {0}, next_vulkan = 0;
     for (uint32_t i = 0; i < c->out->binding_count; i++) {
         gpu_binding *binding = &c->out->bindings[i];
         int is_params = binding->kind == GPU_BINDING_PARAMS;

@@ -170,6 +170,102 @@ static int test_ordered_rmw(gpu *g, gpu_scope *scope) {
     return exact;
 }
 
+/* ---- ordered_attachments: are attachments read and replaced in primitive order? ---------------
+ */
+
+/* Beside the attachment each fragment counts in storage: such a pass may do both. */
+static const strata_glsl replacing = {
+    "#include \"strata/ordered.glsl\"\n"
+    "STRATA_ORDERED_UINT(0)\n"
+    "STRATA_ORDERED_UINT(1)\n"
+    "layout(std430) buffer Cells { uint cells[]; };\n"
+    "STRATA_PARAMS { uint width; } params;\n"
+    "void main() {\n"
+    "    uvec2 p = uvec2(gl_FragCoord.xy);\n"
+    "    uvec4 one = STRATA_ORDERED_LOAD(0), four = STRATA_ORDERED_LOAD(1);\n"
+    "    uint id = uint(gl_PrimitiveID);\n"
+    "    atomicAdd(cells[p.y * params.width + p.x], 1u);\n"
+    "    STRATA_ORDERED_STORE(0, uvec4(one.x == id ? id + 1u : one.x));\n"
+    "    STRATA_ORDERED_STORE(1, uvec4(four.yzw, four.x * 3u + id));\n"
+    "}\n",
+    "selftest.ordered_attachments"};
+
+typedef struct replacing_test {
+    strata_program program;
+    strata_buffer cells;
+    strata_image one, four;
+    strata_draws draws;
+    uint32_t *values; /* four a pixel */
+} replacing_test;
+
+static int all_are(const uint32_t *values, uint32_t width, const uint32_t *wanted) {
+    for (uint32_t i = 0; i < RMW_SIZE * RMW_SIZE; i++)
+        if (memcmp(values + (size_t)i * width, wanted, width * sizeof *wanted) != 0)
+            return 0;
+    return 1;
+}
+
+static int replace_once(gpu *g, const replacing_test *t) {
+    const uint32_t width = RMW_SIZE, size = RMW_SIZE * RMW_SIZE * 4, count = RMW_PRIMITIVES;
+    uint32_t four[4] = {0};
+    const strata_attachment color[] = {
+        {.struct_size = sizeof *color, .image = t->one, .load = STRATA_LOAD_CLEAR, .read = 1},
+        {.struct_size = sizeof *color, .image = t->four, .load = STRATA_LOAD_CLEAR, .read = 1}};
+    const strata_bind bind = {.struct_size = sizeof bind, .name = "Cells", .buffer = t->cells};
+    const strata_pass pass = {.struct_size = sizeof pass,
+                              .label = "replace",
+                              .program = t->program,
+                              .params = &width,
+                              .params_size = sizeof width,
+                              .binds = &bind,
+                              .bind_count = 1,
+                              .color = color,
+                              .color_count = 2,
+                              .draws = t->draws};
+    gpu_begin(g, RMW_SIZE, RMW_SIZE);
+    gpu_fill(g, "selftest", t->cells, 0, 0, 0);
+    gpu_pass(g, "selftest", &pass);
+    for (uint32_t id = 0; id < count; id++) {
+        const uint32_t before[4] = {four[0], four[1], four[2], four[3]};
+        for (int k = 0; k < 3; k++)
+            four[k] = before[k + 1];
+        four[3] = before[0] * 3 + id;
+    }
+    return gpu_submit(g, NULL) == STRATA_OK &&
+           gpu_buffer_read(g, t->cells, 0, size, t->values, NULL) == STRATA_OK &&
+           all_are(t->values, 1, &count) &&
+           gpu_image_read(g, t->one, 0, t->values, size, NULL) == STRATA_OK &&
+           all_are(t->values, 1, &count) &&
+           gpu_image_read(g, t->four, 0, t->values, 4 * (size_t)size, NULL) == STRATA_OK &&
+           all_are(t->values, 4, four);
+}
+
+static int test_ordered_attachments(gpu *g, gpu_scope *scope) {
+    const strata_program_desc program_desc = {.struct_size = sizeof program_desc,
+                                              .kind = STRATA_PROGRAM_FULLSCREEN,
+                                              .label = "selftest",
+                                              .source = &replacing};
+    const strata_buffer_desc cells_desc = {
+        .struct_size = sizeof cells_desc, .label = "cells", .size = RMW_SIZE * RMW_SIZE * 4};
+    strata_image_desc image_desc = {.struct_size = sizeof image_desc,
+                                    .format = STRATA_FORMAT_R32U,
+                                    .label = "one",
+                                    .width = RMW_SIZE,
+                                    .height = RMW_SIZE};
+    replacing_test t = {.values = base_calloc(RMW_SIZE * RMW_SIZE * 4, sizeof *t.values)};
+    int exact = t.values &&
+                gpu_program_create(scope, &program_desc, &t.program, NULL) == STRATA_OK &&
+                gpu_buffer_create(scope, &cells_desc, &t.cells, NULL) == STRATA_OK &&
+                gpu_image_create(scope, &image_desc, &t.one, NULL) == STRATA_OK;
+    image_desc.format = STRATA_FORMAT_RGBA32U;
+    exact = exact && gpu_image_create(scope, &image_desc, &t.four, NULL) == STRATA_OK &&
+            make_draws(scope, &t.draws) == STRATA_OK;
+    for (int i = 0; i < RMW_ROUNDS && exact; i++)
+        exact = replace_once(g, &t);
+    free(t.values);
+    return exact;
+}
+
 /* ---- running and remembering ----------------------------------------------------------------- */
 
 static const struct {
@@ -178,6 +274,7 @@ static const struct {
 } selftests[GPU_SELFTESTS] = {
     {"selftest.timestamps", test_timestamps},
     {"selftest.ordered_rmw", test_ordered_rmw},
+    {"selftest.ordered_attachments", test_ordered_attachments},
 };
 
 /* File of a result, and the whole text that it has when the result is `value`. */

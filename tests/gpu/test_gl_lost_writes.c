@@ -27,6 +27,17 @@ static const strata_glsl count_source = {.text =
                                              "    color = vec4(0.5);\n"
                                              "}\n",
                                          .path = "count.glsl"};
+static const strata_glsl replace_source = {.text =
+                                               "#include \"strata/ordered.glsl\"\n"
+                                               "STRATA_ORDERED_FLOAT(0)\n"
+                                               "layout(std430) buffer Counts { uint counts[]; };\n"
+                                               "void main() {\n"
+                                               "    uvec2 p = uvec2(gl_FragCoord.xy);\n"
+                                               "    atomicAdd(counts[p.y * 256u + p.x], 1u);\n"
+                                               "    vec4 before = STRATA_ORDERED_LOAD(0);\n"
+                                               "    STRATA_ORDERED_STORE(0, before * 0.5 + 0.5);\n"
+                                               "}\n",
+                                           .path = "replace.glsl"};
 static const strata_glsl plain_source = {.text = "layout(location = 0) out vec4 color;\n"
                                                  "void main() { color = vec4(1.0); }\n",
                                          .path = "plain.glsl"};
@@ -34,7 +45,7 @@ static const strata_glsl plain_source = {.text = "layout(location = 0) out vec4 
 typedef struct fixture {
     gpu *g;
     gpu_scope *scope;
-    strata_program count, plain;
+    strata_program count, plain, replace; /* replace: only where attachments can be read */
     strata_image color, depth;
     strata_buffer counts, commands, indices;
     uint32_t found[PIXELS];
@@ -87,6 +98,8 @@ static int set_up(void **state) {
     f->scope = gpu_scope_create(f->g, "test");
     f->count = program(f, &count_source);
     f->plain = program(f, &plain_source);
+    if (gpu_fact(f->g, "ordered_attachments"))
+        f->replace = program(f, &replace_source);
     f->color = image(f, "color", STRATA_FORMAT_RGBA8);
     f->depth = image(f, "depth", STRATA_FORMAT_D32F);
     f->counts = buffer(f, "counts", sizeof f->found, NULL);
@@ -173,8 +186,8 @@ static const strata_attachment cleared = {.struct_size = sizeof cleared, .load =
 
 /* One counting draw with this colour and depth, alone and before an opaque draw (after a clear or
  * not) over the same target. */
-static void expect_nothing_lost(fixture *f, const strata_attachment *color,
-                                const strata_attachment *depth) {
+static void expect_nothing_lost_by(fixture *f, strata_program program,
+                                   const strata_attachment *color, const strata_attachment *depth) {
     const strata_attachment *const after[] = {NULL, &opaque, &cleared};
     const strata_pass counting = {.struct_size = sizeof counting,
                                   .label = "count",
@@ -188,11 +201,16 @@ static void expect_nothing_lost(fixture *f, const strata_attachment *color,
                                       .color_count = 1,
                                       .depth = depth};
         clear_counts(f);
-        draw(f, &counting, f->count);
+        draw(f, &counting, program);
         if (after[i])
             draw(f, &covering, f->plain);
         assert_int_equal(lost_writes(f), 0);
     }
+}
+
+static void expect_nothing_lost(fixture *f, const strata_attachment *color,
+                                const strata_attachment *depth) {
+    expect_nothing_lost_by(f, f->count, color, depth);
 }
 
 static void no_colour_attachment_loses_nothing(void **state) {
@@ -208,6 +226,16 @@ static void blended_colour_loses_nothing(void **state) {
 static void masked_colour_loses_nothing(void **state) {
     expect_nothing_lost(fixture_of(state), &masked, NULL);
     expect_nothing_lost(fixture_of(state), &masked, &opaque);
+}
+
+/* Opaque for the API, but a driver cannot know what the shader makes of what it reads. */
+static void colour_that_is_read_loses_nothing(void **state) {
+    static const strata_attachment read = {.struct_size = sizeof read, .read = 1};
+    fixture *f = fixture_of(state);
+    if (!f->replace.id)
+        skip();
+    expect_nothing_lost_by(f, f->replace, &read, NULL);
+    expect_nothing_lost_by(f, f->replace, &read, &opaque);
 }
 
 static void opaque_colour_is_refused(void **state) {
@@ -244,6 +272,7 @@ int main(void) {
         cmocka_unit_test(no_colour_attachment_loses_nothing),
         cmocka_unit_test(blended_colour_loses_nothing),
         cmocka_unit_test(masked_colour_loses_nothing),
+        cmocka_unit_test(colour_that_is_read_loses_nothing),
         cmocka_unit_test(opaque_colour_is_refused),
         cmocka_unit_test(what_the_refusal_protects_from),
     };

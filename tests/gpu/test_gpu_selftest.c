@@ -97,6 +97,11 @@ static void test_ordered_rmw(void **state) {
     check_kept("selftest.ordered_rmw", "ordered_rmw");
 }
 
+static void test_ordered_attachments(void **state) {
+    (void)state;
+    check_kept("selftest.ordered_attachments", "ordered_attachments");
+}
+
 static void test_timestamps(void **state) {
     (void)state;
     check_kept("selftest.timestamps", "timestamps");
@@ -155,6 +160,7 @@ static void test_clock(void **state) {
 int main(void) {
     const struct CMUnitTest selftests[] = {
         IN_FOLDER(test_ordered_rmw),
+        IN_FOLDER(test_ordered_attachments),
         IN_FOLDER(test_timestamps),
         IN_FOLDER(test_clock),
     };

@@ -166,8 +166,8 @@ static void test_memory_and_loss(void **state) {
 
 static void test_inject_text(void **state) {
     gpu *g;
-    static const char *const bad[] = {"allocation", "allocation:", "allocation:0",
-                                      "lost:1x",    "frob:1",      "allocation:-1"};
+    static const char *const bad[] = {"allocation", "allocation:",   "allocation:0", "lost:1x",
+                                      "frob:1",     "allocation:-1", "lacks:"};
     (void)state;
     for (size_t i = 0; i < BASE_COUNT(bad); i++) {
         base_error err = {0};

@@ -27,6 +27,13 @@ static const strata_glsl image_source = {
     "void main() { color = texelFetch(plain, ivec2(0), 0) + imageLoad(stored, ivec2(0)); }\n",
     "image.glsl"};
 
+static const strata_glsl replace_source = {
+    "#include \"strata/ordered.glsl\"\n"
+    "STRATA_ORDERED_FLOAT(0)\n"
+    "layout(std430) buffer Values { uint values[]; };\n"
+    "void main() { values[0] = 1u; STRATA_ORDERED_STORE(0, STRATA_ORDERED_LOAD(0) + 1.0); }\n",
+    "replace.glsl"};
+
 unsigned char caused[128];
 
 static strata_program scene_program(fixture *f) {
@@ -59,6 +66,7 @@ int open_world(void **state) {
     w->fullscreen = make_program(f, STRATA_PROGRAM_FULLSCREEN, &color_source);
     w->writing = make_program(f, STRATA_PROGRAM_FULLSCREEN, &write_source);
     w->reading = make_program(f, STRATA_PROGRAM_FULLSCREEN, &image_source);
+    w->replacing = make_program(f, STRATA_PROGRAM_FULLSCREEN, &replace_source);
     w->scene = scene_program(f);
     w->count = 1;
     w->binds[0] = bind_buffer("Values", w->values);

@@ -360,6 +360,51 @@ static void test_feedback(void **state) {
     refused(w, &w->draw, GPU_ERROR_IMAGE_FORMAT, "plain");
 }
 
+static void test_read_attachments(void **state) {
+    world *w = *state;
+    const strata_bind bind = bind_buffer("Values", w->values);
+    const strata_glsl source = {"#include \"strata/ordered.glsl\"\nSTRATA_ORDERED_UINT(0)\n"
+                                "void main() { STRATA_ORDERED_STORE(0, uvec4(1u)); }\n",
+                                "replace.glsl"};
+    const strata_program_desc desc = {.struct_size = sizeof desc,
+                                      .kind = STRATA_PROGRAM_FULLSCREEN,
+                                      .label = "replacing",
+                                      .source = &source};
+    strata_program program;
+    fixture lacking;
+    w->attachment.read = 1;
+    refused(w, &w->draw, GPU_ERROR_ATTACHMENT_READ, "program"); /* it does not */
+    w->draw.program = w->replacing;
+    w->draw.binds = &bind;
+    w->draw.bind_count = 1;
+    accepted(w, &w->draw); /* storage may be written beside it */
+    assert_logged(&w->f, "color read color Values=values");
+    w->attachment.read = 2;
+    refused(w, &w->draw, GPU_ERROR_VALUE, "color");
+    w->attachment.read = 1;
+    w->attachment.blend = STRATA_BLEND_ADD;
+    refused(w, &w->draw, GPU_ERROR_VALUE, "color");
+    w->attachment.blend = STRATA_BLEND_NONE;
+    w->attachment.image = w->layered;
+    refused(w, &w->draw, GPU_ERROR_VALUE, "layered");
+    w->attachment.image = w->color;
+    w->attachment.read = 0;
+    w->attachment.mask_off = 15;
+    refused(w, &w->draw, GPU_ERROR_ATTACHMENT_READ, "program");
+    w->depth_attachment.read = 1;
+    w->draw.depth = &w->depth_attachment;
+    refused(w, &w->draw, GPU_ERROR_VALUE, "depth");
+
+    open_device(&lacking,
+                &(gpu_open_info){.backend = "null", .inject = "lacks:ordered_attachments"});
+    assert_int_equal(gpu_program_create(lacking.scope, &desc, &program, &lacking.err),
+                     STRATA_ERROR_UNSUPPORTED);
+    assert_int_equal(gpu_last_code(lacking.g), GPU_ERROR_ORDERED_MISSING);
+    assert_non_null(strstr(lacking.err.text, "replacing"));
+    caused[GPU_ERROR_ORDERED_MISSING] = 1;
+    gpu_close(lacking.g);
+}
+
 static void test_opaque_writes(void **state) {
     world *w = *state;
     const strata_bind binds[] = {bind_buffer("Values", w->values)};
@@ -385,12 +430,13 @@ static void test_all_caused(void **state) {
 
 int main(void) {
     const struct CMUnitTest pass_tests[] = {
-        IN_WORLD(test_sound),        IN_WORLD(test_state),       IN_WORLD(test_handles),
-        IN_WORLD(test_struct_size),  IN_WORLD(test_values),      IN_WORLD(test_label),
-        IN_WORLD(test_program_kind), IN_WORLD(test_binds),       IN_WORLD(test_bind_pool_twice),
-        IN_WORLD(test_globals),      IN_WORLD(test_params),      IN_WORLD(test_ranges),
-        IN_WORLD(test_limits),       IN_WORLD(test_attachments), IN_WORLD(test_outputs),
-        IN_WORLD(test_target),       IN_WORLD(test_feedback),    IN_WORLD(test_opaque_writes),
+        IN_WORLD(test_sound),         IN_WORLD(test_state),       IN_WORLD(test_handles),
+        IN_WORLD(test_struct_size),   IN_WORLD(test_values),      IN_WORLD(test_label),
+        IN_WORLD(test_program_kind),  IN_WORLD(test_binds),       IN_WORLD(test_bind_pool_twice),
+        IN_WORLD(test_globals),       IN_WORLD(test_params),      IN_WORLD(test_ranges),
+        IN_WORLD(test_limits),        IN_WORLD(test_attachments), IN_WORLD(test_outputs),
+        IN_WORLD(test_target),        IN_WORLD(test_feedback),    IN_WORLD(test_read_attachments),
+        IN_WORLD(test_opaque_writes),
     };
     const struct CMUnitTest last[] = {cmocka_unit_test(test_all_caused)};
     return cmocka_run_group_tests(pass_tests, NULL, NULL) +

@@ -104,7 +104,8 @@ static void caps_fill(const gl *g, gpu_backend_caps *caps) {
     caps->int64_atomics = gl_has(g, "GL_NV_shader_atomic_int64") != 0;
     caps->fragment_interlock = gl_has(g, "GL_ARB_fragment_shader_interlock") &&
                                gl_has_spirv(g, "SPV_EXT_fragment_shader_interlock");
-    caps->framebuffer_fetch = gl_has(g, "GL_EXT_shader_framebuffer_fetch") != 0;
+    caps->framebuffer_fetch = gl_has(g, "GL_EXT_shader_framebuffer_fetch") &&
+                              gl_has(g, "GL_ARB_shader_draw_parameters");
     caps->stencil_export =
         gl_has(g, "GL_ARB_shader_stencil_export") &&
         (gl_has_spirv(g, "SPV_EXT_shader_stencil_export") || strstr(caps->driver, "Mesa") != NULL);

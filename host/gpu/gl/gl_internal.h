@@ -135,6 +135,9 @@ void gl_clear_texel(const gl_format *format, const float value[4], uint32_t texe
 /* Links shaders into a program and deletes them; 0 after a failure. */
 GLuint gl_link(gl *g, const GLuint *shaders, uint32_t count, const char *label, base_error *err);
 
+/* gl_text.c: programs that read attachments, which SPIR-V cannot say; 0 after a failure. */
+GLuint gl_text_build(gl *g, const gpu_program_info *info, base_error *err);
+
 /* gl_transfer.c */
 strata_result gl_buffer_read(void *self, void *native, uint64_t offset, uint64_t size, void *data,
                              base_error *err);

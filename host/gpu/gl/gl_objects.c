@@ -241,7 +241,7 @@ strata_result gl_program_create(void *self, const gpu_program_info *info, void *
     for (uint32_t i = 0; i < info->binding_count; i++)
         if (info->bindings[i].kind == GPU_BINDING_PARAMS)
             program->params = &info->bindings[i];
-    program->name = program_build(g, info, &first);
+    program->name = info->reads ? gl_text_build(g, info, &first) : program_build(g, info, &first);
     if (g->check && program->name)
         g->fn.ObjectLabel(GL_PROGRAM, program->name, -1, info->label);
     result = gl_report(g, first.result, info->label, &first);

@@ -103,6 +103,7 @@ static void resource_bind(gl *g, const gpu_native_bind *bind) {
                                0, access, image->format->internal);
         break;
     case GPU_BINDING_PARAMS:
+    case GPU_BINDING_ATTACHMENT: /* framebuffer fetch binds nothing */
         break;
     }
 }

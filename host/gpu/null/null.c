@@ -36,6 +36,7 @@ static const struct {
     {GPU_ACCESS_COPY_READ, "copy-read"},
     {GPU_ACCESS_COPY_WRITE, "copy-write"},
     {GPU_ACCESS_NATIVE, "native"},
+    {GPU_ACCESS_COLOR_READ, "color-read"},
 };
 
 /* ---- open and close ------------------------------------------------------------------------- */
@@ -51,6 +52,7 @@ static strata_result null_open(const gpu_open_info *info, void **self, gpu_backe
                                .image_size = 16384,
                                .groups = 65535,
                                .subgroup = 1,
+                               .raster_order_attachments = 1,
                                .vulkan_target = 1};
     snprintf(caps->name, sizeof caps->name, "null");
     snprintf(caps->driver, sizeof caps->driver, "none");
@@ -279,7 +281,8 @@ static void null_pass(void *self, const gpu_native_pass *native) {
     if (native->commands)
         base_text_add(log, " draws %s", ((const null_object *)native->commands)->label);
     for (uint32_t i = 0; i < pass->color_count; i++)
-        base_text_add(log, " color %s", ((const null_object *)native->color[i])->label);
+        base_text_add(log, " color %s%s", pass->color[i].read ? "read " : "",
+                      ((const null_object *)native->color[i])->label);
     if (native->depth)
         base_text_add(log, " depth %s", ((const null_object *)native->depth)->label);
     for (uint32_t i = 0; i < native->bind_count; i++)

@@ -195,6 +195,8 @@ strata_result vk_open(const gpu_open_info *info, void **self, gpu_backend_caps *
 static void close_device(vk *v) {
     vkDeviceWaitIdle(v->device);
     vk_cache_close(v);
+    vk_targets_forget(v, NULL);
+    free(v->targets);
     vk_buffer_release(v, &v->staging);
     for (size_t i = 0; i < v->descriptor_pool_count; i++)
         vkDestroyDescriptorPool(v->device, v->descriptor_pools[i], NULL);

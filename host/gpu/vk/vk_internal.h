@@ -59,6 +59,7 @@ typedef struct vk_image {
  * as bytes. */
 typedef struct vk_pipeline_key {
     uint32_t color_count, depth_format;
+    uint32_t reads; /* bit i: colour attachment i is read too */
     uint32_t formats[GPU_VK_MAX_COLORS], blends[GPU_VK_MAX_COLORS], mask_off[GPU_VK_MAX_COLORS];
 } vk_pipeline_key;
 
@@ -78,6 +79,9 @@ typedef struct vk_program {
     vk_pipeline *pipelines; /* graphics, in order of first use */
     size_t pipeline_count, pipeline_capacity;
 } vk_program;
+
+/* Render pass and framebuffer of passes that read attachments: vk_ordered.c */
+typedef struct vk_target vk_target;
 
 /* ---- the device: vk_device.c ------------------------------------------------------------ */
 typedef struct vk {
@@ -113,6 +117,9 @@ typedef struct vk {
     VkPipelineCache cache;
     char cache_path[4096]; /* "" = none */
     uint64_t cache_hash;   /* of what was read */
+
+    vk_target *targets;
+    size_t target_count, target_capacity;
 
     vk_block *blocks;
     vk_buffer staging; /* made at first use */
@@ -160,6 +167,8 @@ void vk_image_destroy(void *self, void *native);
 /* A clear value as the image's format wants it: integers are given as floats. */
 VkClearColorValue vk_clear_color(const vk_image *image, const float value[4]);
 uint32_t vk_clear_integer(float value); /* saturating; NaN and negative are 0 */
+VkClearDepthStencilValue vk_clear_depth(const float value[4]);
+VkAttachmentLoadOp vk_load_op(uint32_t load); /* STRATA_LOAD_* */
 
 /* vk_transfer.c */
 strata_result vk_buffer_read(void *self, void *native, uint64_t offset, uint64_t size, void *data,
@@ -183,6 +192,17 @@ VkDescriptorType vk_descriptor_type(gpu_binding_kind kind);
 /* The pipeline of a pass that draws; made at first use, kept by the program. */
 strata_result vk_pipeline_get(vk *v, vk_program *program, const gpu_native_pass *pass,
                               VkPipeline *out, base_error *err);
+
+/* vk_ordered.c */
+
+/* Bit i: the pass reads colour attachment i. */
+uint32_t vk_reads(const gpu_native_pass *pass);
+/* What such a pass draws into, valid until the next call; NULL after a failure. */
+const vk_target *vk_target_get(vk *v, const gpu_native_pass *pass, base_error *err);
+VkRenderPass vk_target_pass(const vk_target *target);
+void vk_target_begin(VkCommandBuffer commands, const vk_target *target,
+                     const gpu_native_pass *pass);
+void vk_targets_forget(vk *v, const vk_image *image); /* NULL: all */
 
 /* vk_cache.c */
 void vk_cache_open(vk *v, const char *folder, const uint8_t uuid[VK_UUID_SIZE]);

@@ -21,6 +21,8 @@ VkDescriptorType vk_descriptor_type(gpu_binding_kind kind) {
         return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
     case GPU_BINDING_STORAGE_IMAGE:
         return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+    case GPU_BINDING_ATTACHMENT:
+        return VK_DESCRIPTOR_TYPE_INPUT_ATTACHMENT;
     case GPU_BINDING_STORAGE:
     case GPU_BINDING_PARAMS: /* never asked: push constants */
         break;
@@ -29,17 +31,19 @@ VkDescriptorType vk_descriptor_type(gpu_binding_kind kind) {
 }
 
 static strata_result check_counts(const vk *v, const gpu_program_info *info, base_error *err) {
-    uint32_t counts[GPU_BINDING_PARAMS + 1] = {0};
+    uint32_t counts[GPU_BINDING_ATTACHMENT + 1] = {0};
     const struct {
         uint32_t most;
         const char *name;
-    } limits[GPU_BINDING_PARAMS + 1] = {
+    } limits[GPU_BINDING_ATTACHMENT + 1] = {
         [GPU_BINDING_UNIFORM] = {v->limits.maxPerStageDescriptorUniformBuffers, "uniform blocks"},
         [GPU_BINDING_STORAGE] = {v->limits.maxPerStageDescriptorStorageBuffers, "storage blocks"},
         [GPU_BINDING_SAMPLED] = {v->limits.maxPerStageDescriptorSamplers, "samplers"},
         [GPU_BINDING_STORAGE_IMAGE] = {v->limits.maxPerStageDescriptorStorageImages,
                                        "storage images"},
-        [GPU_BINDING_PARAMS] = {1, "parameter blocks"}};
+        [GPU_BINDING_PARAMS] = {1, "parameter blocks"},
+        [GPU_BINDING_ATTACHMENT] = {v->limits.maxPerStageDescriptorInputAttachments,
+                                    "attachments that are read"}};
     for (uint32_t i = 0; i < info->binding_count; i++) {
         const gpu_binding_kind kind = info->bindings[i].kind;
         if (++counts[kind] > limits[kind].most)
@@ -64,7 +68,9 @@ static VkResult create_layout(vk *v, const gpu_program_info *info, vk_program *p
                 .binding = info->bindings[i].binding,
                 .descriptorType = vk_descriptor_type(info->bindings[i].kind),
                 .descriptorCount = 1,
-                .stageFlags = program->stages,
+                .stageFlags = info->bindings[i].kind == GPU_BINDING_ATTACHMENT
+                                  ? VK_SHADER_STAGE_FRAGMENT_BIT
+                                  : program->stages,
                 .pImmutableSamplers =
                     info->bindings[i].kind == GPU_BINDING_SAMPLED ? &v->sampler : NULL};
     const VkDescriptorSetLayoutCreateInfo set = {
@@ -193,6 +199,7 @@ static vk_pipeline_key make_key(const gpu_native_pass *pass) {
         key.blends[i] = p->color[i].blend;
         key.mask_off[i] = p->color[i].mask_off & 15u;
     }
+    key.reads = vk_reads(pass);
     if (pass->depth)
         key.depth_format = ((const vk_image *)pass->depth)->format;
     return key;
@@ -235,8 +242,9 @@ static const VkPipelineDynamicStateCreateInfo dynamic = {
     .dynamicStateCount = BASE_COUNT(dynamic_states),
     .pDynamicStates = dynamic_states};
 
+/* `ordered`: the render pass of passes that read attachments, else none. */
 static VkResult create_graphics(vk *v, const vk_program *program, const vk_pipeline_key *key,
-                                VkPipeline *out) {
+                                VkRenderPass ordered, VkPipeline *out) {
     VkPipelineColorBlendAttachmentState blends[GPU_VK_MAX_COLORS];
     VkFormat formats[GPU_VK_MAX_COLORS];
     for (uint32_t i = 0; i < key->color_count; i++) {
@@ -257,11 +265,15 @@ static VkResult create_graphics(vk *v, const vk_program *program, const vk_pipel
         stage(VK_SHADER_STAGE_FRAGMENT_BIT, program->modules[1])};
     const VkPipelineColorBlendStateCreateInfo blend = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+        .flags =
+            ordered
+                ? VK_PIPELINE_COLOR_BLEND_STATE_CREATE_RASTERIZATION_ORDER_ATTACHMENT_ACCESS_BIT_EXT
+                : 0,
         .attachmentCount = key->color_count,
         .pAttachments = blends};
     const VkGraphicsPipelineCreateInfo info = {.sType =
                                                    VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-                                               .pNext = &rendering,
+                                               .pNext = ordered ? NULL : &rendering,
                                                .stageCount = BASE_COUNT(stages),
                                                .pStages = stages,
                                                .pVertexInputState = &no_input,
@@ -272,7 +284,8 @@ static VkResult create_graphics(vk *v, const vk_program *program, const vk_pipel
                                                .pDepthStencilState = &depth_stencil,
                                                .pColorBlendState = &blend,
                                                .pDynamicState = &dynamic,
-                                               .layout = program->layout};
+                                               .layout = program->layout,
+                                               .renderPass = ordered};
     return vkCreateGraphicsPipelines(v->device, v->cache, 1, &info, NULL, out);
 }
 
@@ -289,7 +302,11 @@ strata_result vk_pipeline_get(vk *v, vk_program *program, const gpu_native_pass 
     if (!list)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "vulkan: out of memory");
     program->pipelines = list;
-    VkResult code = create_graphics(v, program, &key, out);
+    const vk_target *target = key.reads ? vk_target_get(v, pass, err) : NULL;
+    if (key.reads && !target)
+        return err->result;
+    VkResult code =
+        create_graphics(v, program, &key, target ? vk_target_pass(target) : VK_NULL_HANDLE, out);
     if (code != VK_SUCCESS)
         return vk_fail(v, code, err, pass->pass->label);
     list[program->pipeline_count++] = (vk_pipeline){.key = key, .handle = *out};

@@ -41,6 +41,8 @@ static vk_scope scope_of(uint32_t access, uint32_t stages) {
         {GPU_ACCESS_COLOR,
          {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
           VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT}},
+        {GPU_ACCESS_COLOR_READ,
+         {VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, VK_ACCESS_2_INPUT_ATTACHMENT_READ_BIT}},
         {GPU_ACCESS_DEPTH,
          {VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT |
               VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
@@ -195,15 +197,19 @@ static void set_state(VkCommandBuffer commands, const gpu_native_pass *pass) {
     vkCmdSetStencilReference(commands, faces, p->stencil_reference);
 }
 
-static VkRenderingAttachmentInfo attachment(const vk_image *image, uint32_t load) {
+VkAttachmentLoadOp vk_load_op(uint32_t load) {
     static const VkAttachmentLoadOp loads[] = {[STRATA_LOAD_KEEP] = VK_ATTACHMENT_LOAD_OP_LOAD,
                                                [STRATA_LOAD_CLEAR] = VK_ATTACHMENT_LOAD_OP_CLEAR,
                                                [STRATA_LOAD_DISCARD] =
                                                    VK_ATTACHMENT_LOAD_OP_DONT_CARE};
+    return loads[load];
+}
+
+static VkRenderingAttachmentInfo attachment(const vk_image *image, uint32_t load) {
     return (VkRenderingAttachmentInfo){.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
                                        .imageView = image->attachment,
                                        .imageLayout = VK_IMAGE_LAYOUT_GENERAL,
-                                       .loadOp = loads[load],
+                                       .loadOp = vk_load_op(load),
                                        .storeOp = VK_ATTACHMENT_STORE_OP_STORE};
 }
 
@@ -222,8 +228,7 @@ static void begin_rendering(VkCommandBuffer commands, const gpu_native_pass *pas
     if (pass->depth) {
         const vk_image *image = pass->depth;
         depth = attachment(image, p->depth->load);
-        depth.clearValue.depthStencil = (VkClearDepthStencilValue){
-            p->depth->clear[0], vk_clear_integer(p->depth->clear[1]) & 255u};
+        depth.clearValue.depthStencil = vk_clear_depth(p->depth->clear);
         stencil = (image->aspects & VK_IMAGE_ASPECT_STENCIL_BIT) != 0;
         layers = image->layers < layers ? image->layers : layers;
     }
@@ -261,13 +266,24 @@ static void draw_scene(vk *v, VkCommandBuffer commands, const gpu_native_pass *p
 }
 
 static void draw(vk *v, VkCommandBuffer commands, const gpu_native_pass *pass) {
-    begin_rendering(commands, pass);
+    const vk_target *target = NULL;
+    if (vk_reads(pass)) {
+        target = vk_target_get(v, pass, &v->failure);
+        if (!target)
+            return;
+        vk_target_begin(commands, target, pass);
+    } else {
+        begin_rendering(commands, pass);
+    }
     set_state(commands, pass);
     if (pass->commands)
         draw_scene(v, commands, pass);
     else
         vkCmdDraw(commands, 3, 1, 0, 0);
-    vkCmdEndRendering(commands);
+    if (target)
+        vkCmdEndRenderPass(commands);
+    else
+        vkCmdEndRendering(commands);
 }
 
 static void dispatch(VkCommandBuffer commands, const gpu_native_pass *pass) {
@@ -351,7 +367,7 @@ void vk_clear_image(void *self, void *native, const float value[4], const gpu_ba
         const VkClearColorValue color = vk_clear_color(image, value);
         vkCmdClearColorImage(commands, image->handle, VK_IMAGE_LAYOUT_GENERAL, &color, 1, &range);
     } else {
-        const VkClearDepthStencilValue depth = {value[0], vk_clear_integer(value[1]) & 255u};
+        const VkClearDepthStencilValue depth = vk_clear_depth(value);
         vkCmdClearDepthStencilImage(commands, image->handle, VK_IMAGE_LAYOUT_GENERAL, &depth, 1,
                                     &range);
     }

@@ -68,7 +68,8 @@ typedef struct vk_format {
 } vk_format;
 
 #define COLOR                                                                                      \
-    (VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT)
+    (VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT |                   \
+     VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT)
 #define DEPTH        (VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT)
 #define ASPECT_COLOR VK_IMAGE_ASPECT_COLOR_BIT
 #define ASPECT_DEPTH VK_IMAGE_ASPECT_DEPTH_BIT
@@ -231,6 +232,7 @@ void vk_image_destroy(void *self, void *native) {
     vk_image *image = native;
     if (!image)
         return;
+    vk_targets_forget(v, image);
     if (image->attachment != image->view)
         vkDestroyImageView(v->device, image->attachment, NULL);
     vkDestroyImageView(v->device, image->view, NULL);
@@ -243,6 +245,10 @@ uint32_t vk_clear_integer(float value) {
     if (!(value > 0.0f))
         return 0;
     return value >= 4294967296.0f ? UINT32_MAX : (uint32_t)value;
+}
+
+VkClearDepthStencilValue vk_clear_depth(const float value[4]) {
+    return (VkClearDepthStencilValue){value[0], vk_clear_integer(value[1]) & 255u};
 }
 
 VkClearColorValue vk_clear_color(const vk_image *image, const float value[4]) {
