@@ -41,6 +41,12 @@ typedef struct strata_fragments {
 
 /* ---- prepare ---------------------------------------------------------------------------------- */
 
+/* How sub-pixels become pixels: weights by the distance from the pixel's centre on each axis,
+ * multiplied, and divided by the sum of those that lie in the image. */
+#define STRATA_FILTER_BOX 0u      /* the pixel's own sub-pixels, alike */
+#define STRATA_FILTER_TENT 1u     /* falls to 0 one pixel away */
+#define STRATA_FILTER_GAUSSIAN 2u /* standard deviation of half a pixel, cut off at three of them */
+
 #define STRATA_CHANGED_SIZE 1u
 #define STRATA_CHANGED_SCENE 2u /* the draws were replaced; edits in place show in scene_revision */
 #define STRATA_CHANGED_EFFECTS 4u
@@ -68,8 +74,13 @@ typedef struct strata_view {
     const strata_settings *settings;    /* this technique's knobs */
     const strata_scene_stats *stats;
 
-    /* The image that fills a slot ("color/1", "depth/1", "limit/1", "bound/1"); the zero handle for a
-     * slot that this technique does not name in its slots or that is not in the frame. */
+    /* The image that fills a slot ("color/1", "depth/1", "limit/1", "bound/1", "image/1"); the zero
+     * handle for a slot that this technique does not name in its slots or that is not in the frame.
+     * "image/1", width x height pixels (those above divided by the root of `samples`), is there when
+     * `samples` is above 1, and of its producers for the one that fills it. A fold that produces it
+     * filters as it folds; given the zero handle, it updates color/1 like any other. Who fills it also
+     * fills "image.bound/1" where a certificate is asked for (+inf when the frame starts): bound/1
+     * filtered alike, and the filter's own rounding. */
     strata_image (*image)(void *self, const char *slot);
     /* The draws that fill "draws.opaque/1" or "draws.transparent/1"; as above. */
     strata_draws (*draws)(void *self, const char *slot);
@@ -83,7 +94,7 @@ typedef struct strata_view {
      * account for what they drop (shaders/strata/loss.glsl), and what folds fills bound/1 (slot use
      * UPDATES, optional; zero when the frame starts), +inf where nothing can be said. */
     uint32_t certify;
-    uint32_t reserved;
+    uint32_t filter;                    /* STRATA_FILTER_*: for who fills image/1 */
 } strata_view;
 
 /* ---- record and verify ------------------------------------------------------------------------ */
@@ -95,12 +106,13 @@ typedef struct strata_view {
 #define STRATA_REPORT_MAX_PER_PIXEL 4u
 
 /* Owned by the host, valid during record() or verify() only. record() is called once for each round
- * of each band; verify() once for each band after the GPU has finished that band. */
+ * of each band; verify() once for each band after the GPU has finished that band. Stages draws,
+ * surface (before all bands) and filter (after them) see one band, the whole frame. */
 typedef struct strata_frame {
     uint32_t struct_size;
     uint32_t round;              /* 0, or 1 in the second round of a two-phase frame */
     void *self;
-    uint32_t width, height;      /* of the frame */
+    uint32_t width, height;      /* of the frame, in sub-pixels, like all below */
     uint32_t band, band_count;
     uint32_t x, y, band_width, band_height; /* this band's rectangle */
     uint64_t index;              /* frames since create(), retries not counted */

@@ -68,9 +68,10 @@ STRATA_EXPORT strata_result strata_scene_set_visible(strata_scene *scene, uint32
 /* ---- rendering -------------------------------------------------------------------------------- */
 
 #define STRATA_OUTPUT_COLOR 1u /* linear float RGBA, premultiplied */
-#define STRATA_OUTPUT_DEPTH 2u /* eye depth of the opaque surface in R, +inf where there is none */
+#define STRATA_OUTPUT_DEPTH 2u /* eye depth of the opaque surface in R, +inf where there is none; of
+                                  several sub-pixels the nearest */
 #define STRATA_OUTPUT_BOUND 4u /* certified error for each channel, +inf = uncertified */
-#define STRATA_OUTPUT_DEEP 8u  /* every fragment; saved as deep EXR only */
+#define STRATA_OUTPUT_DEEP 8u  /* every fragment; saved as deep EXR only; one sample a pixel */
 
 typedef struct strata_render_options {
     uint32_t struct_size;
@@ -80,7 +81,7 @@ typedef struct strata_render_options {
     const char *effects;        /* "auto" (or NULL), "none", or "id,id" */
     const char *const *settings; /* "ID.KNOB=VALUE" */
     uint32_t setting_count;
-    uint32_t samples;           /* sub-pixels a pixel, 0 = 1 */
+    uint32_t samples;           /* sub-pixels a pixel, on a regular grid: 1, 4, 9, .. 1024; 0 = 1 */
     const char *camera;         /* name, index or "orbit:AZIMUTH,ELEVATION" in degrees; NULL = first, else orbit */
     float background[4];        /* linear, premultiplied RGBA, used when has_background is 1 */
     uint32_t has_background;    /* 0: opaque (0.2, 0.2, 0.2) */
@@ -93,6 +94,7 @@ typedef struct strata_render_options {
     /* Progress of long work, 0..1; return not OK to stop (CANCELLED). NULL = none. */
     strata_result (*progress)(void *user, double done);
     void *user;
+    const char *filter;         /* of sub-pixels: "box" (or NULL), "tent", "gaussian" */
 } strata_render_options;
 
 /* Renders a scene of this instance. options NULL = defaults. The image stays with the instance until

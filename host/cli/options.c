@@ -11,7 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_SIDE 65536u
+#define MAX_SIDE    65536u
+#define MAX_SAMPLES 1024u
 
 enum {
     KEY_BACKEND = 256,
@@ -23,7 +24,9 @@ enum {
     KEY_TIME,
     KEY_DEVICE,
     KEY_MEMORY,
-    KEY_TOLERANCE
+    KEY_TOLERANCE,
+    KEY_SAMPLES,
+    KEY_FILTER
 };
 
 static const struct argp_option options[] = {
@@ -34,6 +37,8 @@ static const struct argp_option options[] = {
     {"time", KEY_TIME, "T", 0, "Seconds into the scene's animations; 0", 2},
     {"tolerance", KEY_TOLERANCE, "E", 0,
      "The largest certified error that is accepted, in linear radiance; 0: exact techniques", 2},
+    {"samples", KEY_SAMPLES, "N", 0, "Sub-pixels a pixel, a square: 1, 4, 9, 16, ..; 1", 2},
+    {"filter", KEY_FILTER, "box|tent|gaussian", 0, "Weights that turn them into pixels; box", 2},
     {.doc = "By what:", .group = 3},
     {"use", KEY_USE, "ID[,ID..]", 0, "Use these techniques; the plan fills what they leave open",
      3},
@@ -89,6 +94,21 @@ static int parse_size(const char *text, strata_render_options *render) {
     render->width = (uint32_t)w;
     render->height = (uint32_t)h;
     return 1;
+}
+
+/* A square, as a regular grid of sub-pixels is one. */
+static int parse_samples(const char *text, uint32_t *samples) {
+    uint64_t value, side = 1;
+    if (!cli_parse_whole(text, 1, MAX_SAMPLES, &value))
+        return 0;
+    while (side * side < value)
+        side++;
+    *samples = (uint32_t)value;
+    return side * side == value;
+}
+
+static int is_filter(const char *text) {
+    return strcmp(text, "box") == 0 || strcmp(text, "tent") == 0 || strcmp(text, "gaussian") == 0;
 }
 
 static int parse_memory(const char *text, uint64_t *bytes) {
@@ -158,6 +178,16 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         return 0;
     case KEY_CAMERA:
         o->render.camera = text;
+        return 0;
+    case KEY_SAMPLES:
+        if (!parse_samples(text, &o->render.samples))
+            argp_error(state, "--samples %s: expected one of 1, 4, 9, 16, .. %u", text,
+                       MAX_SAMPLES);
+        return 0;
+    case KEY_FILTER:
+        if (!is_filter(text))
+            argp_error(state, "--filter %s: expected box, tent or gaussian", text);
+        o->render.filter = text;
         return 0;
     case KEY_TIME:
         o->has_time = cli_parse_number(text, -1e9, 1e9, &o->time);

@@ -49,8 +49,12 @@ static const struct argp argp = {
 static void print_head(const json_t *plan) {
     const json_t *size = cli_array(plan, "size"), *device = json_object_get(plan, "device");
     printf("scene       %s\n", cli_get(plan, "scene"));
-    printf("image       %.0f x %.0f\n", json_number_value(json_array_get(size, 0)),
+    printf("image       %.0f x %.0f", json_number_value(json_array_get(size, 0)),
            json_number_value(json_array_get(size, 1)));
+    if (cli_number(plan, "samples") > 1)
+        printf(", %.0f samples a pixel, %s filter", cli_number(plan, "samples"),
+               cli_get(plan, "filter"));
+    puts("");
     if (json_is_object(device))
         printf("device      %s (%s, %s)\n", cli_get(device, "name"), cli_get(device, "backend"),
                cli_get(device, "driver"));

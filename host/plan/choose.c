@@ -66,17 +66,48 @@ static strata_result leave_single(plan_work *w, const struct single *row) {
     return result;
 }
 
-static strata_result choose_singles(plan_work *w) {
+static strata_result choose_surface(plan_work *w) {
     char reason[96], number[32];
     uint64_t draws = w->in->stats->opaque_draws;
     snprintf(reason, sizeof reason, "%s opaque draw%s", demand_number(draws, number),
              draws == 1 ? "" : "s");
-    strata_result result =
-        draws ? pick_single(w, &singles[0], reason) : leave_single(w, &singles[0]);
-    if (result != STRATA_OK)
-        return result;
+    return draws ? pick_single(w, &singles[0], reason) : leave_single(w, &singles[0]);
+}
+
+/* The chosen technique that folds and could fill image/1 as it does so; NULL when there is none, or
+ * --use names a filter of its own. */
+static const plan_candidate *fusing_fold(const plan_work *w) {
+    const plan_candidate *found = NULL;
+    for (uint32_t i = 0; i < w->count; i++) {
+        const plan_candidate *c = &w->candidates[i];
+        if (c->role == PLAN_FILTER && c->named)
+            return NULL;
+        if (c->chosen && c->role != PLAN_FILTER &&
+            plan_slot(c->note, "image/1", STRATA_SLOT_PRODUCES))
+            found = c;
+    }
+    return found;
+}
+
+/* After the fold was chosen. */
+static strata_result choose_filter(plan_work *w) {
+    const plan_candidate *fold = fusing_fold(w);
+    char reason[128];
+    if (w->in->samples <= 1)
+        return leave_single(w, &singles[1]);
+    if (fold) {
+        struct single fused = singles[1];
+        snprintf(reason, sizeof reason, "%.63s filters as it folds", fold->note->id);
+        fused.idle = reason;
+        w->out->image = fold->note;
+        return leave_single(w, &fused);
+    }
     snprintf(reason, sizeof reason, "%u samples a pixel", w->in->samples);
-    return w->in->samples > 1 ? pick_single(w, &singles[1], reason) : leave_single(w, &singles[1]);
+    strata_result result = pick_single(w, &singles[1], reason);
+    for (uint32_t i = 0; i < w->count && result == STRATA_OK; i++)
+        if (w->candidates[i].chosen && w->candidates[i].role == PLAN_FILTER)
+            w->out->image = w->candidates[i].note;
+    return result;
 }
 
 /* ---- optional techniques: only if named, and only if someone uses what they make --------------
@@ -186,6 +217,8 @@ static strata_result check_single_producers(plan_work *w) {
         for (uint32_t k = 0; c->chosen && k < c->note->slot_count; k++) {
             const strata_slot_use *use = c->note->slots[k];
             const plan_candidate *first = chosen_producer(w, use->slot);
+            if (strcmp(use->slot, "image/1") == 0 || strcmp(use->slot, "image.bound/1") == 0)
+                continue; /* plan.image is the one, and the others know that they are not */
             if (use->use == STRATA_SLOT_PRODUCES && first != c)
                 return base_fail(w->err, STRATA_ERROR_INVALID_ARGUMENT,
                                  "%s and %s both produce %s; a slot has one producer",
@@ -196,9 +229,11 @@ static strata_result check_single_producers(plan_work *w) {
 }
 
 strata_result plan_choose(plan_work *w) {
-    strata_result result = choose_singles(w);
+    strata_result result = choose_surface(w);
     if (result == STRATA_OK)
         result = plan_choose_fold(w);
+    if (result == STRATA_OK)
+        result = choose_filter(w);
     if (result == STRATA_OK)
         result = choose_optional(w);
     if (result == STRATA_OK)

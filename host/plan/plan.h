@@ -113,6 +113,7 @@ typedef struct plan {
     uint32_t warning_count;
     uint32_t transparent; /* 1: some technique folds transparent fragments; else the rest is zero */
     uint32_t captures;    /* 1: through fragments/1 */
+    const modules_technique_note *image; /* fills image/1; NULL when a pixel has one sample */
     uint32_t layout;      /* STRATA_FRAGMENTS_* */
     uint32_t nearest;     /* fragments a pixel that the capture or the stream keeps; 0 = all */
     uint32_t transmittance_channels; /* 1 or 3 */

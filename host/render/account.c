@@ -114,6 +114,10 @@ json_t *render_device_json(const strata *s) {
                   : json_null();
 }
 
+json_t *render_filter_json(uint32_t samples, uint32_t filter) {
+    return samples > 1 ? json_string(render_filter_name(filter)) : json_null();
+}
+
 json_t *render_warnings_json(const strata *s, const scene *sc, const plan *p) {
     json_t *warnings = json_array();
     for (uint32_t i = 0; i < sc->warning_count; ++i)
@@ -132,12 +136,14 @@ json_t *render_account_json(const strata *s) {
         json_array_append_new(frame_ms, json_real(result->frame_ms[i]));
     const render_session *session = s->session;
     return json_pack(
-        "{s:s, s:o, s:[i,i], s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:o}", "scene",
-        result->scene_path ? result->scene_path : "", "device", render_device_json(s), "size",
-        (int)result->width, (int)result->height, "effects", plan_json_effects(session->plan),
-        "plan", plan_json_techniques(session->plan), "modules_opened", opened_json(s), "passes",
-        passes_json(result), "frame_ms", frame_ms, "bytes", bytes_json(s), "fragments",
-        fragments_json(&result->report), "bound", bound_json(&result->bound), "retries",
-        (int)result->retries, "bands", (int)result->bands, "stalls", (int)result->stalls,
-        "warnings", render_warnings_json(s, session->scene, session->plan));
+        "{s:s, s:o, s:[i,i], s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:o}",
+        "scene", result->scene_path ? result->scene_path : "", "device", render_device_json(s),
+        "size", (int)result->width, (int)result->height, "samples", (int)result->samples, "filter",
+        render_filter_json(result->samples, result->filter), "effects",
+        plan_json_effects(session->plan), "plan", plan_json_techniques(session->plan),
+        "modules_opened", opened_json(s), "passes", passes_json(result), "frame_ms", frame_ms,
+        "bytes", bytes_json(s), "fragments", fragments_json(&result->report), "bound",
+        bound_json(&result->bound), "retries", (int)result->retries, "bands", (int)result->bands,
+        "stalls", (int)result->stalls, "warnings",
+        render_warnings_json(s, session->scene, session->plan));
 }

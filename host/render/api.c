@@ -343,6 +343,9 @@ strata_result strata_plan(strata *s, strata_scene *sc, const strata_render_optio
         json_object_set_new(object, "scene", json_string(sc->scene->path ? sc->scene->path : ""));
         json_object_set_new(object, "size",
                             json_pack("[i,i]", (int)options.width, (int)options.height));
+        json_object_set_new(object, "samples", json_integer(options.samples));
+        json_object_set_new(object, "filter",
+                            render_filter_json(options.samples, render_filter(&options)));
         json_object_set_new(object, "device", render_device_json(s));
         json_object_set_new(object, "warnings", render_warnings_json(s, sc->scene, p));
     }

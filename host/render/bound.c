@@ -44,7 +44,14 @@ strata_result render_bound_create(render_session *session, base_error *err) {
                                      .format = STRATA_FORMAT_RGBA32F,
                                      .width = session->width,
                                      .height = session->height};
-    return gpu_image_create(session->scope, &bound, &session->bound, err);
+    strata_image_desc pixels = bound;
+    pixels.label = "image.bound/1";
+    pixels.width /= session->side;
+    pixels.height /= session->side;
+    r = gpu_image_create(session->scope, &bound, &session->bound, err);
+    if (r == STRATA_OK && session->samples > 1)
+        r = gpu_image_create(session->scope, &pixels, &session->image_bound, err);
+    return r;
 }
 
 strata_result render_bound_prepare(render_session *session, base_error *err) {
@@ -82,8 +89,11 @@ strata_result render_bound_prepare(render_session *session, base_error *err) {
 void render_bound_begin(render_session *session) {
     const float unknown = certifies(session) ? 0.0f : INFINITY;
     const float value[4] = {unknown, unknown, unknown, unknown};
+    const float nothing[4] = {INFINITY, INFINITY, INFINITY, INFINITY};
     if (session->certify)
         gpu_clear_image(session->owner->gpu, "host", session->bound, value);
+    if (session->image_bound.id) /* until who fills image/1 says better */
+        gpu_clear_image(session->owner->gpu, "host", session->image_bound, nothing);
 }
 
 void render_bound_begin_band(render_session *session) {
@@ -92,13 +102,15 @@ void render_bound_begin_band(render_session *session) {
 }
 
 strata_result render_bound_read(const render_session *session, render_bound *out, base_error *err) {
-    const size_t pixels = (size_t)session->width * session->height;
+    const uint32_t width = session->width / session->side, height = session->height / session->side;
+    const size_t pixels = (size_t)width * height;
+    const strata_image from = session->image_bound.id ? session->image_bound : session->bound;
     double sum = 0;
     image_free(&out->map);
     *out = (render_bound){.known = 1};
-    strata_result r = image_create(session->width, session->height, &out->map, err);
+    strata_result r = image_create(width, height, &out->map, err);
     if (r == STRATA_OK)
-        r = gpu_image_read(session->owner->gpu, session->bound, 0, out->map.pixels,
+        r = gpu_image_read(session->owner->gpu, from, 0, out->map.pixels,
                            pixels * 4 * sizeof(float), err);
     if (r != STRATA_OK)
         return r;

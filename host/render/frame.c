@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * One frame: the opaque part once (in rounds), the transparent part band by band, each verified;
- * and again while something overflowed or was learned. Stands between plan and fragments.
+ * One frame: the opaque part once (in rounds), the transparent part band by band, the filter once,
+ * each verified; and again while something overflowed or was learned. Stands between plan and
+ * fragments.
  */
 #include "render/render.h"
 
@@ -9,6 +10,13 @@
 #include <string.h>
 
 #define MAX_ATTEMPTS 64u
+
+/* Parts of a frame, in their order: what is recorded and verified together. */
+typedef enum frame_part {
+    PART_OPAQUE, /* draws, surface: the whole frame */
+    PART_BAND,   /* clip, capture, resolve, stream, certificate */
+    PART_FILTER  /* the whole frame again: a pixel's weights reach beyond its band */
+} frame_part;
 
 /* ---- strata_frame: what a technique may do while it records or verifies ---------------------- */
 
@@ -72,16 +80,16 @@ static void frame_failed(void *self, strata_result result, const char *text) {
         gpu_frame_fail(t->session->owner->gpu, t->planned->technique->id, t->error.result, text);
 }
 
-static strata_frame make_frame(render_technique *t, uint32_t band, uint32_t round) {
+static strata_frame make_frame(render_technique *t, frame_part part, uint32_t band) {
     const render_session *session = t->session;
-    const render_rect *rect = &session->bands[band];
+    const render_rect whole = {0, 0, session->width, session->height};
+    const render_rect *rect = part == PART_BAND ? &session->bands[band] : &whole;
     return (strata_frame){.struct_size = sizeof(strata_frame),
-                          .round = round,
                           .self = t,
                           .width = session->width,
                           .height = session->height,
                           .band = band,
-                          .band_count = session->band_count,
+                          .band_count = part == PART_BAND ? session->band_count : 1,
                           .x = rect->x,
                           .y = rect->y,
                           .band_width = rect->width,
@@ -106,7 +114,8 @@ static strata_result write_block(render_session *session, const scene_view *view
                                  base_error *err) {
     const upload_counts counts = upload_count(session->upload);
     render_frame_block block = {
-        .frame_size = {session->width, session->height, 1, (uint32_t)session->frame_index},
+        .frame_size = {session->width, session->height, session->samples,
+                       (uint32_t)session->frame_index},
         .band = {rect->x, rect->y, rect->width, rect->height},
         .counts = {counts.lights, counts.materials, counts.records, counts.textures}};
     memcpy(block.world_to_clip, view->world_to_clip, sizeof block.world_to_clip);
@@ -121,21 +130,23 @@ static strata_result write_block(render_session *session, const scene_view *view
 
 /* ---- recording and verifying ----------------------------------------------------------------- */
 
-static int is_opaque_stage(const render_technique *t) {
-    return strcmp(t->planned->technique->stage, "draws") == 0 ||
-           strcmp(t->planned->technique->stage, "surface") == 0;
+static frame_part part_of(const render_technique *t) {
+    const char *stage = t->planned->technique->stage;
+    if (strcmp(stage, "draws") == 0 || strcmp(stage, "surface") == 0)
+        return PART_OPAQUE;
+    return strcmp(stage, "filter") == 0 ? PART_FILTER : PART_BAND;
 }
 
-/* Records the techniques of one half of the frame and submits. */
-static strata_result record_techniques(render_session *session, int opaque, uint32_t band,
+/* Records the techniques of one part of the frame and submits. */
+static strata_result record_techniques(render_session *session, frame_part part, uint32_t band,
                                        const char **failed, base_error *err) {
     gpu *g = session->owner->gpu;
     strata_result r = STRATA_OK;
     for (uint32_t i = 0; i < session->technique_count && r == STRATA_OK; ++i) {
         render_technique *t = &session->techniques[i];
-        if (is_opaque_stage(t) != opaque)
+        if (part_of(t) != part)
             continue;
-        const strata_frame frame = make_frame(t, band, 0);
+        const strata_frame frame = make_frame(t, part, band);
         t->error = (base_error){0};
         t->recording = 1;
         t->technique->record(t->state, &frame);
@@ -150,15 +161,15 @@ static strata_result record_techniques(render_session *session, int opaque, uint
     return r == STRATA_OK ? gpu_submit(g, err) : r;
 }
 
-/* The techniques of one half of the frame, before the next gpu_begin makes their pools' counters
+/* The techniques of one part of the frame, before the next gpu_begin makes their pools' counters
  * void. */
-static strata_result verify_techniques(render_session *session, int opaque, uint32_t band,
+static strata_result verify_techniques(render_session *session, frame_part part, uint32_t band,
                                        render_shortage *short_of, int *again, const char **failed,
                                        base_error *err) {
     gpu *g = session->owner->gpu;
     for (uint32_t i = 0; i < session->technique_count; ++i) {
         render_technique *t = &session->techniques[i];
-        if (is_opaque_stage(t) != opaque)
+        if (part_of(t) != part)
             continue;
         for (uint32_t p = 0; p < t->pool_count; ++p) {
             uint64_t needed = 0;
@@ -172,7 +183,7 @@ static strata_result verify_techniques(render_session *session, int opaque, uint
         }
         if (!t->technique->verify)
             continue;
-        const strata_frame frame = make_frame(t, band, 0);
+        const strata_frame frame = make_frame(t, part, band);
         t->error = (base_error){0};
         t->verifying = 1;
         strata_result r = t->technique->verify(t->state, &frame);
@@ -203,9 +214,26 @@ static strata_result record_opaque(render_session *session, const scene_view *vi
     gpu_clear_image(g, "host", session->color, options->background);
     gpu_clear_image(g, "host", session->depth, far);
     render_bound_begin(session);
-    r = record_techniques(session, 1, 0, failed, err);
+    r = record_techniques(session, PART_OPAQUE, 0, failed, err);
     if (r == STRATA_OK)
-        r = verify_techniques(session, 1, 0, short_of, again, failed, err);
+        r = verify_techniques(session, PART_OPAQUE, 0, short_of, again, failed, err);
+    return r == STRATA_OK ? render_account_passes(session->owner, err) : r;
+}
+
+/* Sub-pixels to pixels, once all bands are folded. */
+static strata_result record_filter(render_session *session, const scene_view *view,
+                                   const strata_render_options *options, render_shortage *short_of,
+                                   int *again, const char **failed, base_error *err) {
+    const render_rect whole = {0, 0, session->width, session->height};
+    if (session->samples == 1)
+        return STRATA_OK;
+    strata_result r = write_block(session, view, options, &whole, err);
+    if (r != STRATA_OK)
+        return r;
+    gpu_begin(session->owner->gpu, session->width, session->height);
+    r = record_techniques(session, PART_FILTER, 0, failed, err);
+    if (r == STRATA_OK)
+        r = verify_techniques(session, PART_FILTER, 0, short_of, again, failed, err);
     return r == STRATA_OK ? render_account_passes(session->owner, err) : r;
 }
 
@@ -222,9 +250,9 @@ static strata_result record_bands(render_session *session, const scene_view *vie
         gpu_begin(g, session->width, session->height);
         gpu_rectangle(g, rect->x, rect->y, rect->width, rect->height);
         render_bound_begin_band(session);
-        r = record_techniques(session, 0, band, failed, err);
+        r = record_techniques(session, PART_BAND, band, failed, err);
         if (r == STRATA_OK)
-            r = verify_techniques(session, 0, band, short_of, again, failed, err);
+            r = verify_techniques(session, PART_BAND, band, short_of, again, failed, err);
         if (r == STRATA_OK)
             r = render_account_passes(s, err);
         if (r == STRATA_OK && (options->outputs & STRATA_OUTPUT_DEEP) && !*again)
@@ -266,6 +294,8 @@ strata_result render_frame(render_session *session, const scene_view *view,
             r = render_deep_begin(session, err);
         if (r == STRATA_OK)
             r = record_bands(session, view, options, short_of, &again, failed, err);
+        if (r == STRATA_OK && !again)
+            r = record_filter(session, view, options, short_of, &again, failed, err);
         if (r == STRATA_OK && again)
             r = render_make_room(session, short_of, err);
         session->owner->result.retries += again ? 1u : 0u;

@@ -80,7 +80,8 @@ static const modules_note **notes_of(const strata *s) {
 static strata_result estimate(plan_input *input, scene *sc, const scene_view *view,
                               strata_scene_stats *stats, const strata_render_options *options,
                               base_error *err) {
-    estimate_view seen = {.width = options->width, .height = options->height};
+    const uint32_t side = render_side(options);
+    estimate_view seen = {.width = options->width * side, .height = options->height * side};
     unsigned char *transparent = base_calloc((size_t)sc->material_count + 1, 1);
     if (!transparent)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "estimate: out of memory");
@@ -154,8 +155,10 @@ static char *plan_key(const plan *p) {
 
 static int fits(const render_session *session, const scene *sc,
                 const strata_render_options *options, const char *key) {
-    return session && session->scene == sc && session->width == options->width &&
-           session->height == options->height && session->shuffle == options->shuffle &&
+    const uint32_t side = render_side(options);
+    return session && session->scene == sc && session->width == options->width * side &&
+           session->height == options->height * side && session->samples == options->samples &&
+           session->filter == render_filter(options) && session->shuffle == options->shuffle &&
            session->certify == (uint32_t)render_certify(options) &&
            strcmp(session->plan_text, key) == 0;
 }

@@ -10,12 +10,70 @@
 #include <string.h>
 
 #define MAX_REPLANS 16u
+#define MAX_SAMPLES 1024u
 
 strata_result render_own(const strata *s, const strata_scene *sc, base_error *err) {
     if (sc && sc->owner == s)
         return STRATA_OK;
     return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "%s",
                      sc ? "the scene belongs to another instance" : "no scene is given");
+}
+
+/* ---- options --------------------------------------------------------------------------------- */
+
+static const char *const filters[] = {
+    [STRATA_FILTER_BOX] = "box",
+    [STRATA_FILTER_TENT] = "tent",
+    [STRATA_FILTER_GAUSSIAN] = "gaussian",
+};
+
+const char *render_filter_name(uint32_t filter) {
+    return filters[filter];
+}
+
+uint32_t render_filter(const strata_render_options *options) {
+    for (uint32_t i = 0; i < BASE_COUNT(filters); ++i)
+        if (options->filter && strcmp(filters[i], options->filter) == 0)
+            return i;
+    return STRATA_FILTER_BOX;
+}
+
+uint32_t render_side(const strata_render_options *options) {
+    uint32_t side = 1;
+    while (side * side < options->samples)
+        ++side;
+    return side;
+}
+
+static strata_result check_size(const strata_render_options *options, base_error *err) {
+    if (options->width > IMAGE_MAX_SIDE || options->height > IMAGE_MAX_SIDE ||
+        (uint64_t)options->width * options->height > IMAGE_MAX_PIXELS)
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "size %ux%u is too large",
+                         options->width, options->height);
+    const uint32_t side = options->samples <= MAX_SAMPLES ? render_side(options) : 0;
+    if (side * side != options->samples)
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
+                         "samples: %u is not one of 1, 4, 9, 16, .. %u, the squares that a "
+                         "regular grid of sub-pixels takes",
+                         options->samples, MAX_SAMPLES);
+    if (options->width > IMAGE_MAX_SIDE / side || options->height > IMAGE_MAX_SIDE / side ||
+        (uint64_t)options->width * options->height > IMAGE_MAX_PIXELS / options->samples)
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
+                         "size %ux%u with %u samples a pixel is too large", options->width,
+                         options->height, options->samples);
+    return STRATA_OK;
+}
+
+static strata_result check_filter(const strata_render_options *options, base_error *err) {
+    if (options->filter && strcmp(options->filter, filters[render_filter(options)]) != 0)
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
+                         "filter: '%.64s' is not box, tent or gaussian", options->filter);
+    if (options->samples > 1 && (options->outputs & STRATA_OUTPUT_DEEP))
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
+                         "a deep image holds the fragments of pixels: it takes one sample a pixel, "
+                         "not %u",
+                         options->samples);
+    return STRATA_OK;
 }
 
 strata_result render_options(const strata_render_options *given, strata_render_options *options,
@@ -28,10 +86,13 @@ strata_result render_options(const strata_render_options *given, strata_render_o
         options->width = 800;
     if (options->height == 0)
         options->height = 600;
-    if (options->width > IMAGE_MAX_SIDE || options->height > IMAGE_MAX_SIDE ||
-        (uint64_t)options->width * options->height > IMAGE_MAX_PIXELS)
-        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "size %ux%u is too large",
-                         options->width, options->height);
+    if (options->samples == 0)
+        options->samples = 1;
+    strata_result r = check_size(options, err);
+    if (r == STRATA_OK)
+        r = check_filter(options, err);
+    if (r != STRATA_OK)
+        return r;
     if (options->repeat == 0)
         options->repeat = 1;
     if (!options->has_background) {
@@ -50,26 +111,38 @@ strata_result render_options(const strata_render_options *given, strata_render_o
         ~(STRATA_OUTPUT_COLOR | STRATA_OUTPUT_DEPTH | STRATA_OUTPUT_BOUND | STRATA_OUTPUT_DEEP))
         return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "outputs: 0x%x has unknown bits",
                          options->outputs);
-    if (options->samples > 1)
-        return base_fail(err, STRATA_ERROR_UNSUPPORTED,
-                         "samples: no installed technique filters sub-pixels");
     return STRATA_OK;
 }
 
 /* ---- reading back ---------------------------------------------------------------------------- */
 
+/* The nearest of a pixel's sub-pixels, in reversed depth. A mean of depths would be a surface that
+ * is not there. */
+static float nearest_depth(const float *raw, const render_session *session, size_t x, size_t y) {
+    const size_t side = session->side;
+    float nearest = 0;
+    for (size_t j = 0; j < side; ++j)
+        for (size_t i = 0; i < side; ++i) {
+            const float z = raw[(y * side + j) * session->width + x * side + i];
+            nearest = z > nearest ? z : nearest;
+        }
+    return nearest;
+}
+
 static strata_result read_depth(strata *s, base_error *err) {
-    render_session *session = s->session;
+    const render_session *session = s->session;
     const size_t count = (size_t)session->width * session->height;
+    const uint32_t width = s->result.width, height = s->result.height;
     float *raw = base_calloc(count, sizeof *raw);
     if (!raw)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "depth: out of memory");
-    strata_result r = image_create(session->width, session->height, &s->result.depth, err);
+    strata_result r = image_create(width, height, &s->result.depth, err);
     if (r == STRATA_OK)
         r = gpu_image_read(s->gpu, session->depth, 0, raw, count * sizeof *raw, err);
-    for (size_t i = 0; i < count && r == STRATA_OK; ++i) {
+    for (size_t i = 0; i < (size_t)width * height && r == STRATA_OK; ++i) {
+        const float z = nearest_depth(raw, session, i % width, i / width);
         const float distance =
-            raw[i] > 0 ? (float)scene_view_distance(&s->result.view, raw[i]) : INFINITY;
+            z > 0 ? (float)scene_view_distance(&s->result.view, (double)z) : INFINITY;
         for (int c = 0; c < 3; ++c)
             s->result.depth.pixels[4 * i + (size_t)c] = distance;
         s->result.depth.pixels[4 * i + 3] = 1;
@@ -82,10 +155,11 @@ static strata_result read_depth(strata *s, base_error *err) {
 static strata_result read_back(strata *s, const strata_render_options *options, base_error *err) {
     render_session *session = s->session;
     render_result *result = &s->result;
-    strata_result r = image_create(session->width, session->height, &result->color, err);
+    const strata_image shown = session->image.id ? session->image : session->color;
+    strata_result r = image_create(result->width, result->height, &result->color, err);
     if (r == STRATA_OK)
-        r = gpu_image_read(s->gpu, session->color, 0, result->color.pixels,
-                           (size_t)session->width * session->height * 4 * sizeof(float), err);
+        r = gpu_image_read(s->gpu, shown, 0, result->color.pixels,
+                           (size_t)result->width * result->height * 4 * sizeof(float), err);
     if (r == STRATA_OK && (options->outputs & STRATA_OUTPUT_DEPTH))
         r = read_depth(s, err);
     if (r == STRATA_OK && session->certify)
@@ -190,6 +264,8 @@ strata_result strata_render(strata *s, strata_scene *sc, const strata_render_opt
     s->result.outputs = options.outputs | STRATA_OUTPUT_COLOR;
     s->result.width = options.width;
     s->result.height = options.height;
+    s->result.samples = options.samples;
+    s->result.filter = render_filter(&options);
     s->result.scene_path = base_strdup(sc->scene->path ? sc->scene->path : "");
     s->result.frame_ms = base_calloc(options.repeat, sizeof *s->result.frame_ms);
     if (!s->result.frame_ms || !s->result.scene_path)

@@ -91,7 +91,10 @@ typedef struct render_session {
     strata *owner;
     scene *scene;
     uint64_t scene_revision;
-    uint32_t width, height, shuffle;
+    uint32_t width, height; /* in sub-pixels */
+    uint32_t samples, side; /* sub-pixels a pixel, and along one side of it */
+    uint32_t filter;        /* STRATA_FILTER_* */
+    uint32_t shuffle;
     uint32_t certify; /* how wrong the image may be is asked for */
     uint32_t careful; /* submit after each technique, to learn which one loses the device */
     plan *plan;
@@ -100,7 +103,9 @@ typedef struct render_session {
     gpu_scope *scope;
     strata_image color, depth, limit, bound; /* bound: when it is asked for */
     gpu_scope *loss_scope;
-    strata_buffer loss; /* StrataLoss, for the largest band */
+    strata_buffer loss;              /* StrataLoss, for the largest band */
+    strata_image image, image_bound; /* image/1 and its bound in pixels; none when a pixel has one
+                                        sample */
     strata_buffer frame_block;
     strata_fragments fragments;
     uint32_t has_fragments;
@@ -143,7 +148,7 @@ typedef struct render_bound {
 
 /* What the last render did, for the account and the outputs. */
 typedef struct render_result {
-    uint32_t valid, width, height, outputs;
+    uint32_t valid, width, height, samples, filter, outputs;
     scene_view view;
     image color, depth;
     render_bound bound;
@@ -184,6 +189,10 @@ strata_result render_own(const strata *s, const strata_scene *sc, base_error *er
 /* Checked options with every default filled in. */
 strata_result render_options(const strata_render_options *given, strata_render_options *options,
                              base_error *err);
+/* Of checked options: sub-pixels along one side of a pixel; STRATA_FILTER_*, and its name. */
+uint32_t render_side(const strata_render_options *options);
+uint32_t render_filter(const strata_render_options *options);
+const char *render_filter_name(uint32_t filter);
 
 /* ---- prepare.c ------------------------------------------------------------------------------- */
 /* Demand, estimate and plan for these options; *view is the first frame's camera. */
@@ -257,6 +266,7 @@ void render_result_clear(render_result *result);
 /* New references; NULL when out of memory. */
 json_t *render_account_json(const strata *s);
 json_t *render_device_json(const strata *s);
+json_t *render_filter_json(uint32_t samples, uint32_t filter); /* null when nothing is filtered */
 json_t *render_warnings_json(const strata *s, const scene *sc, const plan *p); /* p may be NULL */
 
 #endif

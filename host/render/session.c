@@ -127,6 +127,13 @@ static strata_image view_image(void *self, const char *slot) {
         return t->session->limit;
     if (strcmp(slot, "bound/1") == 0)
         return t->session->bound;
+    if (names_slot(t, slot, STRATA_SLOT_PRODUCES) &&
+        t->session->plan->image != t->planned->technique)
+        return (strata_image){0}; /* another one fills it */
+    if (strcmp(slot, "image/1") == 0)
+        return t->session->image;
+    if (strcmp(slot, "image.bound/1") == 0)
+        return t->session->image_bound;
     return (strata_image){0};
 }
 
@@ -197,7 +204,8 @@ static strata_result prepare_technique(render_technique *t) {
                         .height = session->height,
                         .band_width = session->band_width,
                         .band_height = session->band_height,
-                        .samples = 1,
+                        .samples = session->samples,
+                        .filter = session->filter,
                         .transmittance_channels = p->transmittance_channels,
                         .payload = p->payload.precision,
                         .layout = p->layout,
@@ -335,12 +343,17 @@ static strata_result create_targets(render_session *session, base_error *err) {
                                      .format = STRATA_FORMAT_RGBA32F,
                                      .width = session->width,
                                      .height = session->height};
-    strata_image_desc depth = color;
+    strata_image_desc depth = color, pixels = color;
     depth.label = "depth/1";
     depth.format = STRATA_FORMAT_D32F;
+    pixels.label = "image/1";
+    pixels.width /= session->side;
+    pixels.height /= session->side;
     strata_result r = gpu_image_create(session->scope, &color, &session->color, err);
     if (r == STRATA_OK)
         r = gpu_image_create(session->scope, &depth, &session->depth, err);
+    if (r == STRATA_OK && session->samples > 1)
+        r = gpu_image_create(session->scope, &pixels, &session->image, err);
     if (r == STRATA_OK)
         r = gpu_buffer_create(session->scope,
                               &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
@@ -382,8 +395,11 @@ strata_result render_session_create(strata *s, scene *sc, const strata_render_op
     *session = (render_session){.owner = s,
                                 .scene = sc,
                                 .scene_revision = sc->revision,
-                                .width = options->width,
-                                .height = options->height,
+                                .width = options->width * render_side(options),
+                                .height = options->height * render_side(options),
+                                .samples = options->samples,
+                                .side = render_side(options),
+                                .filter = render_filter(options),
                                 .shuffle = options->shuffle,
                                 .certify = (uint32_t)render_certify(options),
                                 .plan = p,
