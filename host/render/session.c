@@ -127,14 +127,12 @@ static strata_image view_image(void *self, const char *slot) {
         return t->session->limit;
     if (strcmp(slot, "bound/1") == 0)
         return t->session->bound;
-    if (names_slot(t, slot, STRATA_SLOT_PRODUCES) &&
-        t->session->plan->image != t->planned->technique)
+    if (t->session->plan->image != t->planned->technique &&
+        names_slot(t, slot, STRATA_SLOT_PRODUCES))
         return (strata_image){0}; /* another one fills it */
     if (strcmp(slot, "image/1") == 0)
         return t->session->image;
-    if (strcmp(slot, "image.bound/1") == 0)
-        return t->session->image_bound;
-    return (strata_image){0};
+    return strcmp(slot, "image.bound/1") == 0 ? t->session->image_bound : (strata_image){0};
 }
 
 static strata_draws view_draws(void *self, const char *slot) {

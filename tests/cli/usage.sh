@@ -37,6 +37,12 @@ done
 for seconds in x nan inf 1e99 '' 1s; do
     refuse "time '$seconds'" 2 'expected seconds' plan scene:layers --time "$seconds"
 done
+for samples in 0 2 8 1089 -4 4.0 x ''; do
+    refuse "samples '$samples'" 2 'one of 1, 4, 9' plan scene:layers --samples "$samples"
+done
+refuse 'filter' 2 'box, tent or gaussian' plan scene:layers --filter lanczos
+refuse 'deep of sub-pixels' 2 'one sample a pixel' render scene:layers -o x.png --deep x.exr \
+    --samples 4
 refuse 'backend' 2 'vulkan, gl or null' plan scene:layers --backend metal
 refuse 'list takes nothing' 2 'takes no arguments' list modules
 refuse 'compare one' 2 'two pictures' compare a.png

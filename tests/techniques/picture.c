@@ -91,6 +91,8 @@ picture picture_render(strata_scene *scene, strata *instance, const way *w, uint
                                            .setting_count = count,
                                            .camera = w->camera,
                                            .bands = w->bands,
+                                           .samples = w->samples,
+                                           .filter = w->filter,
                                            .shuffle = w->shuffle};
     if (strata_render(instance, scene, &options) != STRATA_OK)
         fail_msg("%s %s: %s", w->backend ? w->backend : "", count ? w->settings[0] : "",

@@ -17,7 +17,8 @@ typedef struct picture {
 typedef struct way {
     const char *backend, *use, *effects, *camera;
     const char *settings[8]; /* up to the first NULL */
-    uint32_t bands, shuffle;
+    uint32_t bands, shuffle, samples;
+    const char *filter;
 } way;
 
 /* Scenes that every exact technique must agree on. */

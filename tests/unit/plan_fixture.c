@@ -164,6 +164,11 @@ static const modules_technique_note techniques[] = {
      .stage = "filter",
      SLOTS(SLOT(CONSUMES, "color/1", 0, 0), SLOT(PRODUCES, "image/1", 0, 0)),
      COST(0)},
+    {.id = "fuser", /* folds and filters at once */
+     .stage = "stream",
+     SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0), SLOT(PRODUCES, "image/1", 0, 0)),
+     PROMISE(EXACT, BIT, 0),
+     COST(9)},
     {.id = "mystic", .stage = "mystery", COST(0)},
     {.id = "liar", .stage = "capture", SLOTS(TRANSPARENT), PROMISE(EXACT, BIT, 0), COST(0)},
     {.id = "thief",
