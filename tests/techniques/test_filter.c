@@ -4,6 +4,9 @@
  * the picture rendered at the size of the sub-pixel grid; within a derived bound it is the mean as
  * computed in double from the definition of the weights; and what is even stays even.
  */
+#define _GNU_SOURCE
+
+#include "scenes/glb.h"
 #include "techniques/picture.h"
 
 #include <math.h>
@@ -12,6 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -242,6 +246,48 @@ static void every_way_gives_the_same_bits(void **state) {
     }
 }
 
+/* A splat without a radius of its own has one in pixels, however many samples a pixel has. */
+static void splats_keep_their_size(void **state) {
+    static const float centre[3] = {0, 0, 0};
+    enum { SIZE = 9 };
+    char path[] = "/tmp/strata-splat-XXXXXX.glb";
+    test_glb g = {0};
+    size_t size;
+    (void)state;
+    test_glb_floats(&g, "VEC3", 3, 1, centre);
+    test_glb_json(&g, "\"extensionsUsed\":[\"KHR_materials_unlit\"],"
+                      "\"nodes\":[{\"mesh\":0},{\"camera\":0,\"translation\":[0,0,5]}],"
+                      "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.6,"
+                      "\"znear\":0.1}}],"
+                      "\"materials\":[{\"extensions\":{\"KHR_materials_unlit\":{}}}],"
+                      "\"meshes\":[{\"primitives\":[{\"mode\":0,\"material\":0,"
+                      "\"attributes\":{\"POSITION\":0}}]}]");
+    unsigned char *file = test_glb_finish(&g, &size);
+    const int fd = mkstemps(path, 4);
+    assert_true(fd >= 0);
+    assert_int_equal(write(fd, file, size), size);
+    assert_int_equal(close(fd), 0);
+    free(file);
+    for (size_t b = 0; b < 2; ++b) {
+        strata *instance = picture_instance(backends[b]);
+        if (!instance)
+            continue;
+        strata_scene *sc = picture_scene(instance, path);
+        for (uint32_t side = 4; side <= 8; side += 4) {
+            strata_render_options o = options_of(SIZE, SIZE, side * side, "box");
+            o.has_background = 1; /* black */
+            picture p = render_output(instance, sc, o, STRATA_OUTPUT_COLOR);
+            double area = 0;
+            for (size_t i = 0; i < SIZE * SIZE; ++i)
+                area += (double)p.pixels[4 * i];
+            assert_true(fabs(area - 3.14159265 * 1.5 * 1.5) < 0.3);
+            picture_free(&p);
+        }
+        strata_scene_close(sc);
+    }
+    unlink(path);
+}
+
 /* ---- beside the colours ---------------------------------------------------------------------- */
 
 static void depth_is_the_nearest(void **state) {
@@ -374,6 +420,7 @@ int main(void) {
         cmocka_unit_test(pixels_are_means_of_sub_pixels),
         cmocka_unit_test(even_stays_even),
         cmocka_unit_test(every_way_gives_the_same_bits),
+        cmocka_unit_test(splats_keep_their_size),
         cmocka_unit_test(depth_is_the_nearest),
         cmocka_unit_test(bounds_are_filtered),
         cmocka_unit_test(the_session_follows),
