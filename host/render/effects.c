@@ -81,11 +81,21 @@ static void add_calls(base_text *text, const plan *p) {
     base_text_add(text, "}\n");
 }
 
-static void add_planes(base_text *text, const plan_payload *payload, const char *access) {
+/* STRATA_PAYLOAD_ACCESS: how the program touches the planes (coherent, for one), in place of what
+ * follows from reading or writing alone. */
+static void add_planes(base_text *text, const plan_payload *payload) {
+    base_text_add(text, "#if defined(STRATA_PAYLOAD_WRITE) || defined(STRATA_PAYLOAD_READ)\n"
+                        "#ifndef STRATA_PAYLOAD_ACCESS\n#ifndef STRATA_PAYLOAD_READ\n"
+                        "#define STRATA_PAYLOAD_ACCESS writeonly\n"
+                        "#elif !defined(STRATA_PAYLOAD_WRITE)\n"
+                        "#define STRATA_PAYLOAD_ACCESS readonly\n"
+                        "#else\n#define STRATA_PAYLOAD_ACCESS\n#endif\n#endif\n");
     for (uint32_t i = 0; i < payload->plane_count; ++i)
         base_text_add(text,
-                      "layout(std430) %s buffer StrataPayload%u { %s strata_payload%u[]; };\n",
-                      access, i, payload->plane_strides[i] == 8 ? "STRATA_PAIR" : "uint", i);
+                      "layout(std430) STRATA_PAYLOAD_ACCESS buffer StrataPayload%u { %s "
+                      "strata_payload%u[]; };\n",
+                      i, payload->plane_strides[i] == 8 ? "STRATA_PAIR" : "uint", i);
+    base_text_add(text, "#endif\n");
 }
 
 /* word = a | b << 8 | ... of the channels that lie in it */
@@ -204,11 +214,10 @@ strata_result render_effects(render_session *session, base_error *err) {
     snprintf(channels, sizeof channels, "%u", p->transmittance_channels);
     add_structs(&text, p);
     add_calls(&text, p);
+    add_planes(&text, &p->payload);
     base_text_add(&text, "#ifdef STRATA_PAYLOAD_WRITE\n");
-    add_planes(&text, &p->payload, "writeonly");
     add_store(&text, &p->payload);
     base_text_add(&text, "#endif\n#ifdef STRATA_PAYLOAD_READ\n");
-    add_planes(&text, &p->payload, "readonly");
     add_load(&text, &p->payload);
     base_text_add(&text, "#endif\n#endif\n");
 

@@ -89,7 +89,7 @@ static strata_result prepare(void *state, const strata_view *view) {
     if (r == STRATA_OK && a->layout == STRATA_FRAGMENTS_CONTIGUOUS)
         r = counting_prepare(&a->counting, a->gpu, view, 1);
     if (r == STRATA_OK)
-        r = program(a, STRATA_PROGRAM_SCENE, "store", &store_frag_glsl, &a->store_program);
+        r = program(a, STRATA_PROGRAM_SCENE, "store", &counting_store_glsl, &a->store_program);
     if (r == STRATA_OK)
         r = view->publish_fragments(view->self,
                                     &(strata_fragments){.struct_size = sizeof(strata_fragments),

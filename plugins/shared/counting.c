@@ -13,6 +13,8 @@ static const strata_glsl offsets_glsl = {"#include \"strata/count_offsets.comp.g
 static const strata_glsl ranges_glsl = {"#include \"strata/count_ranges.comp.glsl\"\n",
                                         "ranges.comp"};
 
+const strata_glsl counting_store_glsl = {"#include \"strata/store.frag.glsl\"\n", "store.frag"};
+
 static uint32_t tiles(uint32_t width, uint32_t height) {
     return ((width + TILE - 1) / TILE) * ((height + TILE - 1) / TILE);
 }

@@ -36,6 +36,9 @@ strata_result counting_prepare(counting *c, const strata_gpu *gpu, const strata_
 void counting_record(const counting *c, const strata_frame *frame, strata_draws draws,
                      strata_image limit, strata_buffer ranges, strata_pool records, uint32_t most);
 
+/* The geometry pass after that which stores every fragment (ends = 1); contiguous or linked. */
+extern const strata_glsl counting_store_glsl;
+
 /* In verify(): the totals, reported; fails the frame where a count was not exact. */
 strata_result counting_verify(const counting *c, const strata_frame *frame,
                               counting_totals *totals);

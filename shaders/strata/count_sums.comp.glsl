@@ -19,7 +19,8 @@ void main() {
     }
     uint total;
     strata_scan(kept, total);
-    strata_totals_add(largest, arrived, kept);
+    strata_totals_largest(largest);
+    strata_totals_add(arrived, kept);
     if (gl_LocalInvocationID.x == 0u && strata_tile_exists())
         sums[strata_tile()] = total;
 }

@@ -18,11 +18,15 @@ layout(std430) buffer Totals {
             atomicAdd(high, 1u);                                                                   \
     }
 
-// Of a few pixels, at most 2^8 of them: counts are below 2^24.
-void strata_totals_add(uint largest, uint arrived, uint kept) {
+void strata_totals_largest(uint count) {
+    if (count > total_largest) // it only grows
+        atomicMax(total_largest, count);
+}
+
+// Of at most 2^8 pixels at once: counts are below 2^24.
+void strata_totals_add(uint arrived, uint kept) {
     if (arrived == 0u)
         return;
-    atomicMax(total_largest, largest);
     STRATA_ADD_WIDE(total_arrived, total_arrived_high, arrived)
     STRATA_ADD_WIDE(total_kept, total_kept_high, kept)
 }

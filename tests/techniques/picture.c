@@ -11,6 +11,9 @@
 
 #include <cmocka.h>
 
+#include "gpu/gpu.h"
+#include "render/render.h"
+
 const test_scene picture_scenes[] = {
     {"scene:soup?small=3000&medium=150", 96, 96, 54},
     {"scene:glass", 80, 60, 117},
@@ -42,24 +45,28 @@ strata *picture_instance(const char *backend) {
         return kept[at].instance;
     const strata_open_options options = {
         .struct_size = sizeof options, .backend = backend, .check = 1};
-    strata_scene *scene = NULL;
+    strata_scene *sc = NULL;
     kept[at].backend = backend;
     if (strata_open(&options, &kept[at].instance) != STRATA_OK)
         return NULL;
     /* The device is opened by the first render. */
     const strata_render_options tiny = {.struct_size = sizeof tiny, .width = 4, .height = 4};
     const char *const none[] = {"count=0"};
-    strata_result r = strata_scene_generate(kept[at].instance, "layers", none, 1, &scene);
+    strata_result r = strata_scene_generate(kept[at].instance, "layers", none, 1, &sc);
     if (r == STRATA_OK)
-        r = strata_render(kept[at].instance, scene, &tiny);
+        r = strata_render(kept[at].instance, sc, &tiny);
     if (r != STRATA_OK) {
         print_message("%s cannot be opened: %s\n", backend, strata_error(kept[at].instance));
         strata_close(kept[at].instance);
         kept[at].instance = NULL;
         return NULL;
     }
-    strata_scene_close(scene);
+    strata_scene_close(sc);
     return kept[at].instance;
+}
+
+uint64_t picture_fact(const strata *instance, const char *id) {
+    return gpu_fact(instance->gpu, id);
 }
 
 void picture_close(void) {
@@ -75,7 +82,7 @@ strata_scene *picture_scene(strata *instance, const char *path) {
     return sc;
 }
 
-picture picture_render(strata_scene *scene, strata *instance, const way *w, uint32_t width,
+picture picture_render(strata_scene *sc, strata *instance, const way *w, uint32_t width,
                        uint32_t height) {
     picture p = {.width = width, .height = height};
     const size_t size = (size_t)width * height * 4 * sizeof(float);
@@ -94,7 +101,7 @@ picture picture_render(strata_scene *scene, strata *instance, const way *w, uint
                                            .samples = w->samples,
                                            .filter = w->filter,
                                            .shuffle = w->shuffle};
-    if (strata_render(instance, scene, &options) != STRATA_OK)
+    if (strata_render(instance, sc, &options) != STRATA_OK)
         fail_msg("%s %s: %s", w->backend ? w->backend : "", count ? w->settings[0] : "",
                  strata_error(instance));
     p.pixels = malloc(size);

@@ -36,6 +36,9 @@ extern const size_t picture_scene_count;
 strata *picture_instance(const char *backend);
 void picture_close(void); /* all instances */
 
+/* A fact of its device (strata/gpu.h), for ways that not every device takes. */
+uint64_t picture_fact(const strata *instance, const char *id);
+
 /* Loads; a failure fails the test with the instance's line. */
 strata_scene *picture_scene(strata *instance, const char *path);
 

@@ -18,6 +18,7 @@ typedef struct exact_way {
     way way;
     uint32_t depth; /* the most fragments in one pixel that it holds; 0 = memory alone limits */
     const char *payload; /* of the reference; NULL: float */
+    const char *fact;    /* of the device, without which it does not run; NULL: runs anywhere */
 } exact_way;
 
 /* A technique's own test holds its edge cases; here stands one row for each of its paths. */
@@ -27,6 +28,40 @@ static const exact_way ways[] = {
     {.way = {.use = "abuffer,ppc", .settings = {"abuffer.mode=linked", "abuffer.payload=half"}},
      .payload = "half"},
     {.way = {.use = "abuffer,ppc", .settings = {"abuffer.mode=linked", "abuffer.payload=unorm8"}},
+     .payload = "unorm8"},
+    {{.use = "kplus,ppc", .settings = {"kplus.k=16"}, .shuffle = 3}, .depth = 16},
+    {{.use = "kplus,ppc", .settings = {"kplus.k=64", "kplus.memory=exact"}}, .depth = 64},
+    {{.use = "kplus,ppc", .settings = {"kplus.k=16", "kplus.exclusion=lock"}}, .depth = 16},
+    {{.use = "kplus,ppc",
+      .settings = {"kplus.k=128", "kplus.exclusion=lock", "kplus.memory=exact"},
+      .shuffle = 7},
+     .depth = 128},
+    {{.use = "kplus,ppc", .settings = {"kplus.k=64", "kplus.exclusion=lock", "kplus.tries=0"}},
+     .depth = 64},
+    {{.use = "kplus,ppc", .settings = {"kplus.k=64", "kplus.exclusion=atomic32"}, .shuffle = 5},
+     .depth = 64},
+    {{.use = "kplus,ppc",
+      .settings = {"kplus.k=128", "kplus.exclusion=atomic32", "kplus.memory=exact"},
+      .bands = 3},
+     .depth = 128},
+    {{.use = "kplus,ppc", .settings = {"kplus.k=64", "kplus.exclusion=atomic64"}, .shuffle = 5},
+     .depth = 64,
+     .fact = "feature.int64_atomics"},
+    {{.use = "kplus,ppc",
+      .settings = {"kplus.k=128", "kplus.exclusion=atomic64", "kplus.memory=exact"}},
+     .depth = 128,
+     .fact = "feature.int64_atomics"},
+    {{.use = "kplus,ppc",
+      .settings = {"kplus.k=16", "kplus.exclusion=unlocked", "kplus.structure=heap"}},
+     .depth = 16,
+     .fact = "selftest.ordered_rmw"},
+    {{.use = "kplus,ppc",
+      .settings = {"kplus.k=128", "kplus.exclusion=unlocked", "kplus.structure=array",
+                   "kplus.payload=half"}},
+     .depth = 128,
+     .payload = "half",
+     .fact = "selftest.ordered_rmw"},
+    {{.use = "kplus,ppc", .settings = {"kplus.k=0", "kplus.payload=unorm8"}, .bands = 5},
      .payload = "unorm8"},
 };
 
@@ -60,6 +95,8 @@ static void compare_ways(const test_scene *scene, const char *backend, picture r
     }
     for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i) {
         if (ways[i].depth > 0 && scene->depth > ways[i].depth)
+            continue;
+        if (ways[i].fact && !picture_fact(instance, ways[i].fact))
             continue;
         char what[512];
         way w = ways[i].way;

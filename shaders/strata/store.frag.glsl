@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// abuffer, last geometry pass: shades each fragment and stores its record, in its pixel's range
+// Capture of every fragment, last geometry pass: shades it and stores its record, in its pixel's range
 // (contiguous) or at the head of its pixel's list (linked). No colour output: a later triangle's
 // opaque output may make a driver drop a tile's storage writes.
 #define STRATA_RANGES coherent

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+//
+// kplus, max-heap: nodes (key, place) with the farthest at the root. Records stay where they were put, so
+// that a step moves 8 bytes whatever the payload. Orders are looked up between equal keys only.
+layout(std430) EXCLUDED buffer Nodes { STRATA_PAIR nodes[]; };
+
+uvec2 node_at(uint at) { return STRATA_FROM_PAIR(nodes[at]); }
+void put_node(uint at, uvec2 node) { nodes[at] = STRATA_TO_PAIR(node); }
+
+bool farther(uvec2 slots, uvec2 a, uvec2 b) {
+    if (a.x != b.x)
+        return a.x > b.x;
+    return key_at(slots.x + a.y).y > key_at(slots.x + b.y).y;
+}
+
+uint farthest_place(uvec2 slots, uvec2 cell) { return node_at(slots.x).y; }
+
+// One more node: up from the end. The key of the root.
+uint sift_up(uvec2 slots, uint count, uvec2 node) {
+    uint at = count - 1u;
+    while (at > 0u) {
+        uvec2 parent = node_at(slots.x + (at - 1u) / 2u);
+        if (!farther(slots, node, parent))
+            break;
+        put_node(slots.x + at, parent);
+        at = (at - 1u) / 2u;
+    }
+    put_node(slots.x + at, node);
+    return at == 0u ? node.x : node_at(slots.x).x;
+}
+
+// In place of the root: down from there. The key of the root.
+uint sift_down(uvec2 slots, uvec2 node) {
+    uint at = 0u, root = node.x;
+    for (uint child = 1u; child < slots.y; child = 2u * at + 1u) {
+        uvec2 larger = node_at(slots.x + child);
+        if (child + 1u < slots.y) {
+            uvec2 right = node_at(slots.x + child + 1u);
+            if (farther(slots, right, larger)) {
+                larger = right;
+                ++child;
+            }
+        }
+        if (!farther(slots, larger, node))
+            break;
+        root = at == 0u ? larger.x : root;
+        put_node(slots.x + at, larger);
+        at = child;
+    }
+    put_node(slots.x + at, node);
+    return root;
+}
+
+// After a record was stored at `place`: the state of a pixel with `count` of them.
+uvec2 settle(uvec2 slots, uvec2 cell, uint count, uint place, uvec2 record) {
+    if ((cell.y & CELL_ROOMY) != 0u)
+        return uvec2(STRATA_NO_KEY, count | CELL_ROOMY);
+    uvec2 node = uvec2(record.x, place);
+    uint root;
+    if (cell.x == STRATA_NO_KEY)
+        root = sift_up(slots, count, node);
+    else
+        root = sift_down(slots, node);
+    return uvec2(count < slots.y ? STRATA_NO_KEY : root, count);
+}

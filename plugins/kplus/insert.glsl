@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+//
+// kplus, array and heap: one fragment into its pixel's slots, the k+-buffer itself. Exclusion is a lock
+// a pixel (LOCK), or none where the device orders read-modify-writes by itself. HEAP chooses the structure.
+// StrataPayload and strata_payload_store are the including source's.
+#ifdef LOCK
+#define EXCLUDED coherent
+#else
+#define EXCLUDED
+#endif
+#define STRATA_RECORDS EXCLUDED
+#define STRATA_KEYS STRATA_PAIR
+#include "slots.glsl"
+#include "cells.glsl"
+#include "strata/loss.glsl"
+
+// Devices that order a pixel's accesses by themselves need no fence; one of their drivers cannot compile
+// it in a fragment shader.
+#ifdef FENCES
+#define EXCLUDE_FENCE memoryBarrierBuffer()
+#else
+#define EXCLUDE_FENCE
+#endif
+
+#ifdef LOCK // single words, for atomics
+layout(std430) coherent buffer Cells { uvec2 cells[]; };
+layout(std430) buffer Failures { uint failures; };
+uvec2 cell_at(uint pixel) { return cells[pixel]; }
+#else
+layout(std430) buffer Cells { STRATA_PAIR cells[]; };
+uvec2 cell_at(uint pixel) { return STRATA_FROM_PAIR(cells[pixel]); }
+#endif
+
+uvec2 key_at(uint slot) { return STRATA_FROM_PAIR(strata_keys[slot]); }
+
+#ifdef HEAP
+#include "heap.glsl"
+#else
+#include "array.glsl"
+#endif
+
+// Behind all records of a full pixel, as seen at any time: such a fragment can never come in. One at the
+// farthest key may: its order decides.
+bool culled(uvec2 cell, uvec2 record) { return record.x > cell.x || cell.y == CELL_CLOSED.y; }
+
+void store_record(uint slot, uvec2 record, StrataPayload payload) {
+    strata_keys[slot] = STRATA_TO_PAIR(record);
+    strata_payload_store(slot, payload);
+}
+
+// With the pixel excluded: its next state. Slots beyond the count were never written and are never read.
+uvec2 place_record(uint pixel, uvec2 cell, uvec2 record, StrataPayload payload) {
+    uvec2 slots = slots_of(pixel);
+    uint count = cell.y & CELL_COUNT, place = count;
+    if (cell.x != STRATA_NO_KEY) {
+        place = farthest_place(slots, cell);
+        if (record.x > cell.x ||
+            (record.x == cell.x && record.y > key_at(slots.x + place).y)) {
+            strata_lose(pixel, payload);
+            return cell;
+        }
+#ifdef STRATA_BOUND
+        strata_lose(pixel, strata_payload_load(slots.x + place));
+#endif
+    } else {
+        ++count;
+    }
+    store_record(slots.x + place, record, payload);
+    return settle(slots, cell, count, place, record);
+}
+
+// A fragment that culled() has let pass.
+void insert(uint pixel, uvec2 cell, uvec2 record, StrataPayload payload) {
+#ifdef LOCK
+    if ((cell.y & CELL_ROOMY) != 0u) { // every fragment has a slot: a place is all it takes
+        uint place = atomicAdd(cells[pixel].y, 1u) & CELL_COUNT;
+        store_record(slots_of(pixel).x + place, record, payload);
+        return;
+    }
+    bool waiting = true;
+    for (uint i = 0u; i < params.tries && waiting; ++i) {
+        cell.y = atomicOr(cells[pixel].y, CELL_LOCKED);
+        if ((cell.y & CELL_LOCKED) == 0u) {
+            EXCLUDE_FENCE;
+            cell.x = cells[pixel].x;
+            cell = place_record(pixel, cell, record, payload);
+            cells[pixel].x = cell.x;
+            EXCLUDE_FENCE;
+            atomicExchange(cells[pixel].y, cell.y);
+            waiting = false;
+        }
+    }
+    if (waiting)
+        atomicAdd(failures, 1u);
+#else
+    cells[pixel] = STRATA_TO_PAIR(place_record(pixel, cell, record, payload));
+#endif
+}

@@ -1,0 +1,510 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Technique module `kplus`: the k+-buffer. Captures the nearest k fragments of each pixel, in
+ * whatever order they arrive, into fragments/1.
+ *
+ *   unlocked, lock      cells -> store (cull, shade, insert into an array or a heap) -> finish
+ *   atomic64, atomic32  empty -> chain (keys by atomicMin) [-> orders] -> payload -> finish
+ *
+ * With memory=exact, count -> sums -> offsets -> ranges go before and nothing has to finish. k = 0
+ * keeps all: exact allocation and a store that has nothing to exclude.
+ */
+#include "kplus_glsl.h"
+#include "shared/counting.h"
+
+#include <string.h>
+
+enum { K_MOST = 16384, ARRAY_MOST = 16 }; /* CELL_PLACE holds the former; a heap wins above */
+
+enum { KNOB_K, KNOB_STRUCTURE, KNOB_EXCLUSION, KNOB_MEMORY, KNOB_PAYLOAD, KNOB_TRIES };
+enum { STRUCTURE_AUTO, STRUCTURE_ARRAY, STRUCTURE_HEAP };
+enum { MEMORY_FIXED, MEMORY_EXACT };
+typedef enum path { PATH_AUTO, PATH_LOCK, PATH_ATOMIC64, PATH_ATOMIC32, PATH_UNLOCKED } path;
+
+typedef struct kplus {
+    const strata_gpu *gpu;
+    strata_draws draws;
+    strata_image limit;
+    struct {
+        uint32_t k, tries;
+    } params;
+    path path, other; /* other: of attempts after the lock failed */
+    uint32_t exact, heap;
+    uint32_t ordered; /* 1: the device orders accesses of a pixel without any help */
+    uint32_t lock_failed, tied; /* 1: learned in verify() */
+    counting counting;
+    strata_buffer ranges, cells, events; /* events: failures of the lock, or ties */
+    strata_pool records;
+    strata_program cells_program, store_program, finish_program, empty_program, chain_program,
+        orders_program, payload_program, late_payload_program, swap_program, chain_finish_program;
+} kplus;
+
+static const strata_glsl *const includes[] = {&array_glsl, &cells_glsl,  &chain_glsl, &descend_glsl,
+                                              &heap_glsl,  &insert_glsl, &slots_glsl, NULL};
+
+static strata_result create(void *state, const strata_host *host, const strata_gpu *gpu) {
+    (void)host;
+    ((kplus *)state)->gpu = gpu;
+    return STRATA_OK;
+}
+
+/* ---- prepare --------------------------------------------------------------------------------- */
+
+static path lock_free(const strata_gpu *gpu) {
+    return gpu->fact(gpu->self, "feature.int64_atomics") ? PATH_ATOMIC64 : PATH_ATOMIC32;
+}
+
+/* The path of these settings; 0 where the device cannot take the one that was asked for. */
+static int choose(kplus *s, const strata_settings *settings) {
+    const strata_gpu *gpu = s->gpu;
+    const double *values = settings->values;
+    const uint32_t structure = (uint32_t)values[KNOB_STRUCTURE];
+    s->ordered = gpu->fact(gpu->self, "selftest.ordered_rmw") != 0;
+    s->params.k = (uint32_t)values[KNOB_K];
+    s->params.tries = (uint32_t)values[KNOB_TRIES];
+    s->exact = s->params.k == 0 || values[KNOB_MEMORY] == MEMORY_EXACT;
+    s->heap = structure == STRUCTURE_AUTO ? s->params.k > ARRAY_MOST : structure == STRUCTURE_HEAP;
+    s->path = (path)values[KNOB_EXCLUSION];
+    s->other = lock_free(gpu);
+    if (s->path == PATH_AUTO)
+        s->path = s->ordered ? PATH_UNLOCKED : s->other;
+    return s->params.k == 0 || ((s->path != PATH_UNLOCKED || s->ordered) &&
+                                (s->path != PATH_ATOMIC64 || s->other == PATH_ATOMIC64));
+}
+
+static int is_chain(path p) {
+    return p == PATH_ATOMIC64 || p == PATH_ATOMIC32;
+}
+
+/* Planes: keys, the payload's, and the nodes of the heap. */
+static strata_result create_records(kplus *s, const strata_view *view) {
+    static const char *const payload_names[STRATA_MAX_PLANES] = {
+        "StrataPayload0", "StrataPayload1", "StrataPayload2", "StrataPayload3",
+        "StrataPayload4", "StrataPayload5", "StrataPayload6", "StrataPayload7"};
+    strata_pool_desc desc = {
+        .struct_size = sizeof desc,
+        .label = "fragments",
+        .counter_name = "StrataFragmentPool",
+        .plane_names = {"StrataKeys"},
+        .plane_strides = {8},
+        .plane_count = 1,
+        .expected = s->exact ? 0 : (uint64_t)view->band_width * view->band_height * s->params.k};
+    if (s->heap && !is_chain(s->path)) {
+        desc.plane_names[desc.plane_count] = "Nodes";
+        desc.plane_strides[desc.plane_count++] = 8;
+    }
+    if (view->payload_plane_count > STRATA_MAX_PLANES - desc.plane_count)
+        return STRATA_ERROR_UNSUPPORTED;
+    for (uint32_t i = 0; i < view->payload_plane_count; ++i) {
+        desc.plane_names[desc.plane_count] = payload_names[i];
+        desc.plane_strides[desc.plane_count++] = view->payload_plane_strides[i];
+    }
+    return s->gpu->pool_create(s->gpu->self, &desc, &s->records);
+}
+
+static strata_result buffer(const kplus *s, const char *label, uint64_t size, strata_buffer *out) {
+    return s->gpu->buffer_create(s->gpu->self,
+                                 &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
+                                                       .label = label,
+                                                       .size = size},
+                                 out);
+}
+
+/* A program and which variant of its source it is. */
+typedef struct source {
+    strata_program *out;
+    uint32_t kind;
+    const char *label;
+    const strata_glsl *glsl;
+    const char *variant; /* a define, or NULL */
+} source;
+
+static strata_result create_programs(const kplus *s, path p, const source *sources, size_t count) {
+    strata_result r = STRATA_OK;
+    for (size_t i = 0; i < count && r == STRATA_OK; ++i) {
+        const char *defines[6];
+        uint32_t defined = 0;
+        if (s->exact)
+            defines[defined++] = "EXACT";
+        if (p == PATH_LOCK)
+            defines[defined++] = "LOCK";
+        if (p == PATH_LOCK && !s->ordered)
+            defines[defined++] = "FENCES";
+        if (s->heap)
+            defines[defined++] = "HEAP";
+        if (p == PATH_ATOMIC64)
+            defines[defined++] = "WIDE";
+        if (sources[i].variant)
+            defines[defined++] = sources[i].variant;
+        r = s->gpu->program_create(
+            s->gpu->self,
+            &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
+                                   .kind = sources[i].kind,
+                                   .flags = STRATA_PROGRAM_LAZY,
+                                   .label = sources[i].label,
+                                   .source = sources[i].glsl,
+                                   .defines = defines,
+                                   .define_count = defined,
+                                   .includes = includes},
+            sources[i].out);
+    }
+    return r;
+}
+
+static strata_result prepare_insertion(kplus *s) {
+    const source sources[] = {
+        {&s->cells_program, STRATA_PROGRAM_COMPUTE, "cells", &cells_comp_glsl, NULL},
+        {&s->store_program, STRATA_PROGRAM_SCENE, "store", &store_frag_glsl, NULL},
+        {&s->finish_program, STRATA_PROGRAM_COMPUTE, "finish", &finish_comp_glsl, NULL},
+    };
+    return create_programs(s, s->path, sources, sizeof sources / sizeof *sources);
+}
+
+static strata_result prepare_chain(kplus *s, path p) {
+    const source sources[] = {
+        {&s->empty_program, STRATA_PROGRAM_COMPUTE, "empty", &empty_comp_glsl, NULL},
+        {&s->chain_program, STRATA_PROGRAM_SCENE, "chain", &chain_frag_glsl, NULL},
+        {&s->payload_program, STRATA_PROGRAM_SCENE, "payload", &payload_frag_glsl,
+         p == PATH_ATOMIC32 ? "TAKE_ORDERS" : NULL},
+        {&s->chain_finish_program, STRATA_PROGRAM_COMPUTE, "finish", &finish_comp_glsl,
+         "CHAIN_COUNTS"},
+        {&s->orders_program, STRATA_PROGRAM_SCENE, "orders", &chain_frag_glsl, "ORDERS_PASS"},
+        {&s->late_payload_program, STRATA_PROGRAM_SCENE, "payload", &payload_frag_glsl, NULL},
+        {&s->swap_program, STRATA_PROGRAM_COMPUTE, "swap", &swap_comp_glsl, NULL},
+    };
+    return create_programs(s, p, sources, sizeof sources / sizeof *sources);
+}
+
+/* Where a fixed number of slots makes counting needless, what arrived is counted beside. */
+static strata_result prepare_arrivals(kplus *s, const strata_view *view) {
+    const strata_image_desc count = {.struct_size = sizeof count,
+                                     .label = "fragment count",
+                                     .format = STRATA_FORMAT_R32F,
+                                     .width = view->width,
+                                     .height = view->height};
+    strata_result r = s->gpu->image_create(s->gpu->self, &count, &s->counting.count);
+    return r == STRATA_OK ? counting_prepare_totals(&s->counting, s->gpu) : r;
+}
+
+static strata_result prepare_all(kplus *s) {
+    return s->gpu->program_create(s->gpu->self,
+                                  &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
+                                                         .kind = STRATA_PROGRAM_SCENE,
+                                                         .label = "store",
+                                                         .source = &counting_store_glsl},
+                                  &s->store_program);
+}
+
+static strata_result prepare(void *state, const strata_view *view) {
+    kplus *s = state;
+    const uint64_t pixels = (uint64_t)view->band_width * view->band_height;
+    s->draws = view->draws(view->self, "draws.transparent/1");
+    s->limit = view->image(view->self, "limit/1");
+    s->lock_failed = s->tied = 0;
+    if (!choose(s, view->settings))
+        return STRATA_ERROR_UNSUPPORTED;
+    strata_result r = buffer(s, "ranges", pixels * 8, &s->ranges);
+    if (r == STRATA_OK)
+        r = create_records(s, view);
+    if (r == STRATA_OK)
+        r = s->exact ? counting_prepare(&s->counting, s->gpu, view, s->params.k == 0)
+                     : prepare_arrivals(s, view);
+    if (r == STRATA_OK && s->params.k == 0)
+        r = prepare_all(s);
+    if (r == STRATA_OK && s->params.k > 0)
+        r = buffer(s, "events", 4, &s->events);
+    if (r == STRATA_OK && s->params.k > 0 && !is_chain(s->path)) {
+        r = buffer(s, "cells", pixels * 8, &s->cells);
+        if (r == STRATA_OK)
+            r = prepare_insertion(s);
+    }
+    if (r == STRATA_OK && s->params.k > 0 && s->path != PATH_UNLOCKED)
+        r = prepare_chain(s, is_chain(s->path) ? s->path : s->other);
+    if (r == STRATA_OK)
+        r = view->publish_fragments(
+            view->self, &(strata_fragments){.struct_size = sizeof(strata_fragments),
+                                            .layout = STRATA_FRAGMENTS_CONTIGUOUS,
+                                            .sorted = s->params.k > 0 && is_chain(s->path),
+                                            .nearest = s->params.k,
+                                            .ranges = s->ranges,
+                                            .records = s->records});
+    return r;
+}
+
+/* ---- record ---------------------------------------------------------------------------------- */
+
+enum { BIND_MAX = 6 };
+
+typedef struct binds {
+    strata_bind at[BIND_MAX];
+    uint32_t count;
+} binds;
+
+static void add_buffer(binds *b, const char *name, strata_buffer buffer) {
+    b->at[b->count++] =
+        (strata_bind){.struct_size = sizeof(strata_bind), .name = name, .buffer = buffer};
+}
+
+static void add_count(binds *b, const kplus *s) {
+    b->at[b->count++] = (strata_bind){
+        .struct_size = sizeof(strata_bind), .name = "count_image", .image = s->counting.count};
+}
+
+/* What nearly every pass binds: the pool, and ranges where slots_of reads or `writes` them. */
+static binds begin_binds(const kplus *s, int writes) {
+    binds b = {.count = 1};
+    b.at[0] = (strata_bind){.struct_size = sizeof(strata_bind), .pool = s->records};
+    if (s->exact || writes)
+        add_buffer(&b, "StrataRanges", s->ranges);
+    return b;
+}
+
+static void compute(const kplus *s, const strata_frame *frame, const char *label,
+                    strata_program program, const binds *b, uint64_t items, int params) {
+    strata_pass pass = {.struct_size = sizeof pass,
+                        .label = label,
+                        .program = program,
+                        .params = params ? &s->params : NULL,
+                        .params_size = params ? sizeof s->params : 0,
+                        .binds = b->at,
+                        .bind_count = b->count};
+    strata_groups(items, pass.groups);
+    frame->pass(frame->self, &pass);
+}
+
+/* A geometry pass; `arrivals`: it counts what arrives. */
+static void draw(const kplus *s, const strata_frame *frame, const char *label,
+                 strata_program program, const binds *b, int arrivals, int params) {
+    frame->pass(
+        frame->self,
+        &(strata_pass){.struct_size = sizeof(strata_pass),
+                       .label = label,
+                       .program = program,
+                       .draws = s->draws,
+                       .params = params ? &s->params : NULL,
+                       .params_size = params ? sizeof s->params : 0,
+                       .binds = b->at,
+                       .bind_count = b->count,
+                       .color = &(strata_attachment){.struct_size = sizeof(strata_attachment),
+                                                     .image = s->counting.count,
+                                                     .load = STRATA_LOAD_CLEAR,
+                                                     .blend = STRATA_BLEND_ADD},
+                       .color_count = arrivals ? 1 : 0,
+                       .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment),
+                                                     .image = s->limit},
+                       .depth_test = STRATA_TEST_GREATER_EQUAL});
+}
+
+static void finish(const kplus *s, const strata_frame *frame, strata_program program,
+                   strata_buffer cells) {
+    if (s->exact)
+        return;
+    binds b = begin_binds(s, 1);
+    add_count(&b, s);
+    add_buffer(&b, "Totals", s->counting.totals);
+    if (cells.id)
+        add_buffer(&b, "Cells", cells);
+    frame->fill(frame->self, s->counting.totals, 0, 0, 0);
+    compute(s, frame, "finish", program, &b, (uint64_t)frame->band_width * frame->band_height, 1);
+}
+
+static void record_insertion(const kplus *s, const strata_frame *frame) {
+    binds b = begin_binds(s, 0);
+    add_buffer(&b, "Cells", s->cells);
+    if (s->exact)
+        add_count(&b, s);
+    compute(s, frame, "cells", s->cells_program, &b,
+            (uint64_t)frame->band_width * frame->band_height, !s->exact);
+    b = begin_binds(s, 0);
+    add_buffer(&b, "Cells", s->cells);
+    if (s->path == PATH_LOCK)
+        add_buffer(&b, "Failures", s->events);
+    draw(s, frame, "store", s->store_program, &b, !s->exact, !s->exact || s->path == PATH_LOCK);
+    finish(s, frame, s->finish_program, s->cells);
+}
+
+static void record_chain(const kplus *s, const strata_frame *frame, path p) {
+    const uint64_t slots = s->gpu->pool_capacity(s->gpu->self, s->records);
+    const int params = !s->exact;
+    binds b = begin_binds(s, 0), alone = {.at = {b.at[0]}, .count = 1};
+    compute(s, frame, "empty", s->empty_program, &alone, slots, params);
+    draw(s, frame, "chain", s->chain_program, &b, !s->exact, params);
+    if (p == PATH_ATOMIC32 && s->tied) {
+        draw(s, frame, "orders", s->orders_program, &b, 0, params);
+        draw(s, frame, "payload", s->late_payload_program, &b, 0, params);
+    } else {
+        binds t = b;
+        if (p == PATH_ATOMIC32)
+            add_buffer(&t, "Ties", s->events);
+        draw(s, frame, "payload", s->payload_program, &t, 0, params);
+    }
+    finish(s, frame, s->chain_finish_program, (strata_buffer){0});
+    if (p == PATH_ATOMIC64)
+        compute(s, frame, "swap", s->swap_program, &alone, slots, 0);
+}
+
+static void record(void *state, const strata_frame *frame) {
+    const kplus *s = state;
+    const uint32_t k = s->params.k;
+    if (s->exact)
+        counting_record(&s->counting, frame, s->draws, s->limit, s->ranges, s->records,
+                        k ? k : COUNTING_ALL);
+    if (k == 0) {
+        const binds b = begin_binds(s, 0);
+        draw(s, frame, "store", s->store_program, &b, 0, 0);
+        return;
+    }
+    frame->fill(frame->self, s->events, 0, 0, 0);
+    if (is_chain(s->path))
+        record_chain(s, frame, s->path);
+    else if (s->lock_failed)
+        record_chain(s, frame, s->other);
+    else
+        record_insertion(s, frame);
+}
+
+/* A lock that was given up lost a fragment, equal keys may have lost one: both are learned, and the
+ * frame is recorded without the lock, or with a pass for the orders. */
+static strata_result verify(void *state, const strata_frame *frame) {
+    kplus *s = state;
+    counting_totals totals;
+    uint32_t events = 0;
+    strata_result r = counting_verify(&s->counting, frame, &totals);
+    if (r != STRATA_OK || s->params.k == 0 || s->path == PATH_UNLOCKED)
+        return r;
+    r = frame->read(frame->self, s->events, 0, sizeof events, &events);
+    if (r != STRATA_OK || events == 0)
+        return r;
+    if (s->path == PATH_LOCK && !s->lock_failed)
+        s->lock_failed = 1;
+    else
+        s->tied = 1;
+    return STRATA_RETRY;
+}
+
+static void destroy(void *state) {
+    memset(state, 0, sizeof(kplus));
+}
+
+/* ---- what the plan reads --------------------------------------------------------------------- */
+
+static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
+                              strata_cost *cost) {
+    static const uint64_t payload_bytes[] = {16, 8, 4}; /* STRATA_PAYLOAD_*, plain transparency */
+    const double k = settings->values[KNOB_K], structure = settings->values[KNOB_STRUCTURE];
+    const int exact = k == 0 || settings->values[KNOB_MEMORY] == MEMORY_EXACT;
+    const int heap = structure == STRUCTURE_AUTO ? k > ARRAY_MOST : structure == STRUCTURE_HEAP;
+    const uint64_t record = 8 + payload_bytes[(int)settings->values[KNOB_PAYLOAD]] + (heap ? 8 : 0);
+    const double share = k > 0 && stats->mean_depth > k ? k / stats->mean_depth : 1;
+    cost->bytes_per_pixel = exact ? 20 : 20 + (uint64_t)k * record;
+    cost->bytes_per_fragment = exact ? (uint64_t)(share * (double)record + 1) : 0;
+    cost->bytes_fixed = 4096;
+    return STRATA_OK;
+}
+
+static const strata_slot_use draws_use = {.struct_size = sizeof(strata_slot_use),
+                                          .use = STRATA_SLOT_CONSUMES,
+                                          .slot = "draws.transparent/1"};
+static const strata_slot_use limit_use = {
+    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_CONSUMES, .slot = "limit/1"};
+static const strata_slot_use fragments_use = {.struct_size = sizeof(strata_slot_use),
+                                              .use = STRATA_SLOT_PRODUCES,
+                                              .slot = "fragments/1",
+                                              .layouts = 1u << STRATA_FRAGMENTS_CONTIGUOUS};
+static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &fragments_use};
+
+static const char *const structure_choices[] = {"auto", "array", "heap", NULL};
+static const char *const exclusion_choices[] = {"auto",     "lock",     "atomic64",
+                                                "atomic32", "unlocked", NULL};
+static const char *const memory_choices[] = {"fixed", "exact", NULL};
+static const char *const payload_choices[] = {"float", "half", "unorm8", NULL};
+static const strata_knob k = {.struct_size = sizeof(strata_knob),
+                              .type = STRATA_KNOB_INT,
+                              .name = "k",
+                              .title = "fragments a pixel that are kept; 0 = all",
+                              .unit = "fragments",
+                              .maximum = K_MOST,
+                              .preset = 8,
+                              .trades_accuracy = 1};
+static const strata_knob structure = {.struct_size = sizeof(strata_knob),
+                                      .type = STRATA_KNOB_CHOICE,
+                                      .name = "structure",
+                                      .title = "how the farthest record is found",
+                                      .maximum = 2,
+                                      .choices = structure_choices};
+static const strata_knob exclusion = {.struct_size = sizeof(strata_knob),
+                                      .type = STRATA_KNOB_CHOICE,
+                                      .name = "exclusion",
+                                      .title = "what keeps fragments of a pixel apart",
+                                      .maximum = 4,
+                                      .choices = exclusion_choices};
+static const strata_knob memory = {.struct_size = sizeof(strata_knob),
+                                   .type = STRATA_KNOB_CHOICE,
+                                   .name = "memory",
+                                   .title = "k slots a pixel, or as many as it fills",
+                                   .maximum = 1,
+                                   .choices = memory_choices};
+static const strata_knob payload = {.struct_size = sizeof(strata_knob),
+                                    .type = STRATA_KNOB_CHOICE,
+                                    .name = "payload",
+                                    .title = "precision of what a record holds",
+                                    .maximum = 2,
+                                    .choices = payload_choices,
+                                    .trades_accuracy = 1};
+static const strata_knob tries = {.struct_size = sizeof(strata_knob),
+                                  .type = STRATA_KNOB_INT,
+                                  .name = "tries",
+                                  .title = "of the lock, before the frame does without",
+                                  .maximum = 32768,
+                                  .preset = 4096};
+static const strata_knob *const knobs[] = {&k, &structure, &exclusion, &memory, &payload, &tries};
+static const char *const prefers[] = {"selftest.ordered_rmw", "feature.int64_atomics", NULL};
+
+static const strata_promises promises = {
+    .struct_size = sizeof(strata_promises),
+    .order = STRATA_ORDER_NEAREST,
+    .determinism = STRATA_DETERMINISM_BIT,
+    .memory = "fixed: (20 + k record) pixels; exact: 20 pixels + record min(fragments, k each); "
+              "record: 8 + payload, heap 16 + payload; payload: unorm8 4, half 8, float 16"};
+
+static const strata_cost_model cost = {.struct_size = sizeof(strata_cost_model),
+                                       .frame = 20000,
+                                       .per_pixel = 1,
+                                       .per_fragment = 2.2,
+                                       .per_triangle = 4};
+
+static const strata_technique technique = {
+    .struct_size = sizeof(strata_technique),
+    .state_size = sizeof(kplus),
+    .id = "kplus",
+    .title = "k+-buffer: the nearest k fragments, in whatever order they arrive",
+    .reference = "Vasilakis and Fudos 2014",
+    .stage = "capture",
+    .slots = slots,
+    .slot_count = 3,
+    .knobs = knobs,
+    .knob_count = 6,
+    .promises = &promises,
+    .cost = &cost,
+    .prefers = prefers,
+    .estimate = estimate,
+    .create = create,
+    .prepare = prepare,
+    .record = record,
+    .verify = verify,
+    .destroy = destroy,
+};
+static const strata_technique *const techniques[] = {&technique};
+
+STRATA_EXPORT extern const strata_module strata_module_v1;
+const strata_module strata_module_v1 = {
+    .struct_size = sizeof(strata_module),
+    .abi_version = STRATA_ABI_VERSION,
+    .min_host_version = STRATA_VERSION(1, 0),
+    .id = "kplus",
+    .title = "k+-buffer",
+    .version = "1.0",
+    .licence = "MIT",
+    .techniques = techniques,
+    .technique_count = 1,
+};

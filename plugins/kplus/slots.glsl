@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+//
+// kplus: where a pixel's slots lie. memory=exact gave each pixel a range of its own capacity, min(count,
+// k), in StrataRanges; memory=fixed gives each k slots, and finish.comp.glsl writes the ranges.
+#ifdef EXACT
+#define STRATA_RANGES readonly
+#else
+#define STRATA_RANGES writeonly
+#endif
+#include "strata/fragments.glsl"
+
+STRATA_PARAMS { uint k; uint tries; } params;
+
+#ifdef EXACT
+uvec2 slots_of(uint pixel) { return strata_ranges[pixel]; } // first, capacity
+#else
+uvec2 slots_of(uint pixel) { return uvec2(pixel * params.k, params.k); }
+
+// Of the pool; what 32 bits cannot hold asks for bands.
+uint slots_needed() {
+    uint pixels = strata_pixel_count();
+    return pixels > 0xffffffffu / params.k ? 0xffffffffu : pixels * params.k;
+}
+#endif

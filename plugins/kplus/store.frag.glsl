@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+//
+// kplus, array and heap, the geometry pass: culls, shades and inserts each fragment. The attachment counts
+// by blending what arrived (memory=fixed; else it was counted before).
+#ifdef LOCK
+#define STRATA_PAYLOAD_ACCESS coherent
+#endif
+#define STRATA_PAYLOAD_WRITE
+#ifdef STRATA_BOUND // what is evicted is read again
+#define STRATA_PAYLOAD_READ
+#endif
+#include "strata/shading.glsl"
+#include "strata/effects.glsl"
+#include "insert.glsl"
+
+layout(early_fragment_tests) in;
+#ifndef EXACT
+layout(location = 0) out float arrived;
+#endif
+
+// Derivatives and the loss need every fragment shaded; else the culled are spared it.
+#if defined(STRATA_HAS_TEXTURES) || defined(STRATA_BOUND)
+#define SHADE_FIRST
+#endif
+
+void main() {
+#ifdef SHADE_FIRST
+    StrataSurface surface;
+    if (!strata_surface(surface))
+        discard;
+#else
+    if (!strata_covered())
+        discard;
+#endif
+#ifndef EXACT
+    arrived = 1.0;
+#endif
+    uint pixel = strata_pixel(uvec2(gl_FragCoord.xy));
+    uvec2 record = uvec2(strata_key(gl_FragCoord.z), strata_order(strata_primitive()));
+    uvec2 cell = cell_at(pixel);
+    if (culled(cell, record)) {
+#ifdef SHADE_FIRST
+        strata_lose(pixel, strata_emit(surface));
+#endif
+        return;
+    }
+#ifndef SHADE_FIRST
+    StrataSurface surface;
+    strata_surface(surface);
+#endif
+    insert(pixel, cell, record, strata_emit(surface));
+}

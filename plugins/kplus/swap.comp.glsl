@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+//
+// kplus, 64-bit atomics, last: values become records of fragments/1, key before order in memory.
+#define STRATA_RECORDS
+#include "slots.glsl"
+#include "strata/scan.glsl"
+
+layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
+
+void main() {
+    uint slot = strata_item();
+    if (slot < min(strata_needed, strata_capacity))
+        strata_keys[slot] = strata_keys[slot].yx;
+}
