@@ -49,7 +49,7 @@ typedef struct ppc {
     uint32_t rounds, walks; /* of merging and folding deep pixels that are recorded */
 } ppc;
 
-static const strata_glsl *const includes[] = {&classes_glsl, &deep_glsl, &output_glsl, NULL};
+static const strata_glsl *const includes[] = {&classes_glsl, &deep_glsl, NULL};
 
 static strata_result create(void *state, const strata_host *host, const strata_gpu *gpu) {
     (void)host;

@@ -8,7 +8,7 @@
 #include "strata/scan.glsl"
 #include "strata/sort.glsl"
 #include "classes.glsl"
-#include "output.glsl"
+#include "strata/output.glsl"
 
 CLASS_TABLE(readonly)
 layout(std430) readonly buffer Lists { uint lists[]; };
@@ -71,5 +71,5 @@ void main() {
     for (uint i = 0u; i < range.y; ++i)
         strata_fold_step(walk, strata_event(strata_payload_load(sorted[i])));
 #endif
-    output_fold(pixel, walk);
+    strata_output(pixel, walk);
 }

@@ -6,7 +6,7 @@
 #include "strata/fragments.glsl"
 #include "strata/fold.glsl"
 #include "strata/scan.glsl"
-#include "output.glsl"
+#include "strata/output.glsl"
 
 #define SIZE 64
 
@@ -42,5 +42,5 @@ void main() {
     StrataElement walk = strata_fold_begin();
     for (uint i = 0u; i < range.y; ++i)
         strata_fold_step(walk, strata_event(strata_payload_load(s[i])));
-    output_fold(pixel, walk);
+    strata_output(pixel, walk);
 }

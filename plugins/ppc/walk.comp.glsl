@@ -7,7 +7,7 @@
 #include "strata/fold.glsl"
 #include "strata/scan.glsl"
 #include "deep.glsl"
-#include "output.glsl"
+#include "strata/output.glsl"
 
 layout(std430) readonly buffer Slots0 { uint slots0[]; };
 layout(std430) readonly buffer Slots1 { uint slots1[]; };
@@ -54,5 +54,5 @@ void main() {
     if (last < count)
         store_state(deep, walk);
     else
-        output_fold(pixel, walk);
+        strata_output(pixel, walk);
 }

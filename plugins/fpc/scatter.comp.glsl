@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+//
+// fpc, radix sort, step 5, one invocation a stream: its elements, in order, to their places in the
+// other copy. Elements of one digit keep their order, within the stream and between streams.
+#include "strata/fragments.glsl"
+#include "strata/scan.glsl"
+#include "table.glsl"
+
+FPC_TABLE(readonly)
+#include "sorting.glsl"
+layout(std430) buffer Counters { uint counters[]; };
+STRATA_PARAMS { uint bit; } params;
+
+void main() {
+    uint stream = strata_item();
+    if (stream >= streams)
+        return;
+    uint end = min((stream + 1u) * STREAM, elements);
+    for (uint i = stream * STREAM; i < end; ++i) {
+        uvec2 element = FROM_ELEMENTS[i];
+        uint counter = digit_of(element, i, params.bit) * streams + stream;
+        uint at = counters[counter];
+        counters[counter] = at + 1u;
+        TO_ELEMENTS[at] = element;
+        TO_SLOTS[at] = FROM_SLOTS[i];
+    }
+}
