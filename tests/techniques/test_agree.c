@@ -29,7 +29,6 @@ static const exact_way ways[] = {
      .payload = "half"},
     {.way = {.use = "abuffer,ppc", .settings = {"abuffer.mode=linked", "abuffer.payload=unorm8"}},
      .payload = "unorm8"},
-<<<<<<< HEAD
     {{.use = "kplus,ppc", .settings = {"kplus.k=16"}, .shuffle = 3}, .depth = 16},
     {{.use = "kplus,ppc", .settings = {"kplus.k=64", "kplus.memory=exact"}}, .depth = 64},
     {{.use = "kplus,ppc", .settings = {"kplus.k=16", "kplus.exclusion=lock"}}, .depth = 16},
@@ -64,11 +63,9 @@ static const exact_way ways[] = {
      .fact = "selftest.ordered_rmw"},
     {{.use = "kplus,ppc", .settings = {"kplus.k=0", "kplus.payload=unorm8"}, .bands = 5},
      .payload = "unorm8"},
-=======
     /* one chunk is folded like any other pixel */
     {.way = {.use = "abuffer,fpc"}, .depth = 64},
     {.way = {.use = "abuffer,fpc", .settings = {"abuffer.mode=linked"}, .shuffle = 3}, .depth = 64},
->>>>>>> b081cd5 (fpc: fragment-parallel composite, radix sort and a segmented fold of fixed shape)
 };
 
 static const char *const payloads[] = {"float", "half", "unorm8"};
