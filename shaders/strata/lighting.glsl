@@ -24,7 +24,7 @@ const float STRATA_SMALLEST_ROUGHNESS = 0.045; // its fourth power is still abov
 // Turns a normal from a texture into the world. The axes are tangent, bitangent (against v, since
 // textures are stored from the top) and normal; tangents as given, else the gradients of the
 // coordinates across the screen.
-precise vec3 strata_bend(StrataTexture t, StrataUv uv, vec3 normal, vec3 bump) {
+precise vec3 strata_bend(StrataTexture t, StrataSlopes slopes, vec3 normal, vec3 bump) {
 #ifdef STRATA_HAS_TANGENTS
     if (strata_is(STRATA_RECORD_TANGENTS)) {
         vec3 tangent = strata_unit(strata_in_tangent.xyz);
@@ -33,11 +33,10 @@ precise vec3 strata_bend(StrataTexture t, StrataUv uv, vec3 normal, vec3 bump) {
     }
 #endif
     bool second = (t.flags & 1u) != 0u;
-    vec2 uv_dx = strata_transform(t, second ? uv.dx.zw : uv.dx.xy);
-    vec2 uv_dy = strata_transform(t, second ? uv.dy.zw : uv.dy.xy);
-    vec3 dx = dFdx(strata_in_position), dy = dFdy(strata_in_position);
-    vec3 across = strata_cross(dy, normal), along = strata_cross(normal, dx);
-    float side = strata_dot(strata_cross(dx, dy), normal) < 0.0 ? -1.0 : 1.0;
+    vec2 uv_dx = strata_transform(t, second ? slopes.uv.dx.zw : slopes.uv.dx.xy);
+    vec2 uv_dy = strata_transform(t, second ? slopes.uv.dy.zw : slopes.uv.dy.xy);
+    vec3 across = strata_cross(slopes.dy, normal), along = strata_cross(normal, slopes.dx);
+    float side = strata_dot(strata_cross(slopes.dx, slopes.dy), normal) < 0.0 ? -1.0 : 1.0;
     vec3 tangent = strata_unit(across * uv_dx.x + along * uv_dy.x) * side;
     vec3 bitangent = strata_unit(across * uv_dx.y + along * uv_dy.y) * -side;
     return tangent * bump.x + bitangent * bump.y + normal * bump.z;
@@ -45,17 +44,17 @@ precise vec3 strata_bend(StrataTexture t, StrataUv uv, vec3 normal, vec3 bump) {
 #endif
 
 // On the side that is seen. Where normals vanish, that of the face.
-precise vec3 strata_shading_normal(StrataUv uv) {
-    vec3 face = strata_unit(strata_cross(dFdx(strata_in_position), dFdy(strata_in_position)));
+precise vec3 strata_shading_normal(StrataSlopes slopes) {
+    vec3 face = strata_unit(strata_cross(slopes.dx, slopes.dy));
     vec3 normal = strata_unit(strata_in_normal);
     if (normal == vec3(0.0))
         return face;
 #ifdef STRATA_HAS_TEXTURES
     uint map = strata_in_textures.z;
     if (map != STRATA_NO_INDEX) {
-        vec3 bump = strata_sample(map, STRATA_LINEAR, uv).xyz * 2.0 - 1.0;
+        vec3 bump = strata_sample(map, STRATA_LINEAR, slopes.uv).xyz * 2.0 - 1.0;
         bump.xy *= uintBitsToFloat(strata_in_more_textures.z);
-        vec3 bent = strata_unit(strata_bend(strata_textures[map], uv, normal, bump));
+        vec3 bent = strata_unit(strata_bend(strata_textures[map], slopes, normal, bump));
         normal = bent == vec3(0.0) ? normal : bent;
     }
 #endif

@@ -2,7 +2,8 @@
 //
 // What a fragment of the scene is: whether it exists, its number, and its surface shaded by glTF's
 // metallic-roughness model. Opaque shading and transparent capture call the same functions, at the
-// start of main() (derivatives are taken inside).
+// start of main() (derivatives are taken inside); a stage that shades few of its fragments takes
+// strata_slopes() there and the rest later.
 #ifndef STRATA_SHADING_GLSL
 #define STRATA_SHADING_GLSL
 
@@ -32,6 +33,12 @@ const bool STRATA_SRGB = true;
 const bool STRATA_LINEAR = false;
 StrataUv strata_uv() { return StrataUv(0.0); }
 #endif
+struct StrataSlopes {
+    StrataUv uv;
+#ifdef STRATA_HAS_LIT
+    vec3 dx, dy; // of the position in the world
+#endif
+};
 #ifdef STRATA_HAS_COLORS
 layout(location = 6) in vec4 strata_in_color;
 #endif
@@ -137,9 +144,18 @@ precise vec3 strata_emission(StrataUv uv) {
     return vec3(0.0);
 }
 
+// All that shading takes across the screen, in uniform control flow.
+StrataSlopes strata_slopes() {
+#ifdef STRATA_HAS_LIT
+    return StrataSlopes(strata_uv(), dFdx(strata_in_position), dFdy(strata_in_position));
+#else
+    return StrataSlopes(strata_uv());
+#endif
+}
+
 // False when the fragment does not exist; the surface is complete all the same.
-bool strata_surface(out StrataSurface surface) {
-    StrataUv uv = strata_uv();
+bool strata_surface(StrataSlopes slopes, out StrataSurface surface) {
+    StrataUv uv = slopes.uv;
     vec4 base = strata_base_color(uv);
     surface.color = base.rgb;
     surface.alpha = 1.0;
@@ -155,7 +171,7 @@ bool strata_surface(out StrataSurface surface) {
 #endif
 #ifdef STRATA_HAS_LIT
     if (strata_is(STRATA_RECORD_NORMALS)) {
-        surface.normal = strata_shading_normal(uv);
+        surface.normal = strata_shading_normal(slopes);
         if (!strata_is(STRATA_RECORD_UNLIT))
             strata_shade(base.rgb, uv, surface);
     }
@@ -165,5 +181,7 @@ bool strata_surface(out StrataSurface surface) {
     surface.tint = strata_finite(surface.tint);
     return strata_exists(base.a);
 }
+
+bool strata_surface(out StrataSurface surface) { return strata_surface(strata_slopes(), surface); }
 
 #endif

@@ -66,6 +66,14 @@ static const exact_way ways[] = {
     /* one chunk is folded like any other pixel */
     {.way = {.use = "abuffer,fpc"}, .depth = 64},
     {.way = {.use = "abuffer,fpc", .settings = {"abuffer.mode=linked"}, .shuffle = 3}, .depth = 64},
+    {.way = {.use = "stencil,ppc", .shuffle = 3}, .depth = 254},
+    {.way = {.use = "stencil,ppc", .bands = 3}, .depth = 254},
+    {.way = {.use = "stencil,ppc", .settings = {"stencil.payload=half"}},
+     .depth = 254,
+     .payload = "half"},
+    {.way = {.use = "stencil,ppc", .settings = {"stencil.payload=unorm8"}},
+     .depth = 254,
+     .payload = "unorm8"},
 };
 
 static const char *const payloads[] = {"float", "half", "unorm8"};

@@ -1,0 +1,348 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Technique module `stencil`: the stencil-routed A-buffer (Myers and Bavoil 2007), with layers in
+ * place of samples. Fills fragments/1, like abuffer, but no shader decides where a fragment goes.
+ *
+ *   count .. ranges          exactly as many records as fragments (shared/counting.h)
+ *   route, once a layer      layer i's stencil begins at i + 2; each visible fragment takes one
+ *                            off, and the one that finds 2 there is written
+ *   store, once 8 layers     shades what these layers hold
+ *   check, once 8 layers     counts pixels whose layers are not filled one by one
+ *
+ * How many layers a frame has is learned from the counts: where they were too few, the frame is
+ * recorded again.
+ */
+#include "shared/counting.h"
+#include "stencil_glsl.h"
+#include "strata/strata.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum {
+    BATCH = 8,         /* layers that are stored at once: layers.glsl */
+    CHANNELS = 4,      /* layers in an image */
+    ROUTED = 2,        /* the stencil that lets a fragment through */
+    MOST_LAYERS = 254, /* 255 - ROUTED + 1: what a stencil of 8 bits counts down */
+    WINDOW = 32        /* frames after which fewer layers are believed */
+};
+
+typedef struct stencil {
+    const strata_gpu *gpu;
+    strata_draws draws;
+    counting counting;
+    strata_image limit, routing, layers[BATCH / CHANNELS];
+    strata_buffer ranges, misrouted;
+    strata_pool records;
+    strata_program route_program, store_program, check_program;
+    uint32_t layer_count;             /* that are recorded */
+    uint32_t deepest, deepest_before; /* in this window of frames and in the one before */
+    uint64_t window;                  /* frame index at which this one began */
+} stencil;
+
+static const strata_glsl *const includes[] = {&layers_glsl, NULL};
+
+static strata_result create(void *state, const strata_host *host, const strata_gpu *gpu) {
+    (void)host;
+    ((stencil *)state)->gpu = gpu;
+    return STRATA_OK;
+}
+
+/* ---- prepare --------------------------------------------------------------------------------- */
+
+static strata_result image(const stencil *s, const strata_view *view, const char *label,
+                           uint32_t format, strata_image *out) {
+    return s->gpu->image_create(s->gpu->self,
+                                &(strata_image_desc){.struct_size = sizeof(strata_image_desc),
+                                                     .label = label,
+                                                     .format = format,
+                                                     .width = view->width,
+                                                     .height = view->height},
+                                out);
+}
+
+static strata_result create_images(stencil *s, const strata_view *view) {
+    strata_result r = image(s, view, "routing stencil", STRATA_FORMAT_D32F_S8, &s->routing);
+    for (uint32_t i = 0; i < BATCH / CHANNELS && r == STRATA_OK; ++i)
+        r = image(s, view, "layers", STRATA_FORMAT_RGBA32U, &s->layers[i]);
+    return r;
+}
+
+static strata_result create_buffers(stencil *s, const strata_view *view) {
+    static const char *const payload_names[STRATA_MAX_PLANES] = {
+        "StrataPayload0", "StrataPayload1", "StrataPayload2", "StrataPayload3",
+        "StrataPayload4", "StrataPayload5", "StrataPayload6", "StrataPayload7"};
+    strata_pool_desc records = {.struct_size = sizeof records,
+                                .label = "fragments",
+                                .counter_name = "StrataFragmentPool",
+                                .plane_names = {"StrataKeys"},
+                                .plane_strides = {8},
+                                .plane_count = 1 + view->payload_plane_count};
+    if (records.plane_count > STRATA_MAX_PLANES)
+        return STRATA_ERROR_UNSUPPORTED;
+    for (uint32_t i = 0; i < view->payload_plane_count; ++i) {
+        records.plane_names[1 + i] = payload_names[i];
+        records.plane_strides[1 + i] = view->payload_plane_strides[i];
+    }
+    const strata_buffer_desc ranges = {.struct_size = sizeof ranges,
+                                       .label = "ranges",
+                                       .size = (uint64_t)view->band_width * view->band_height * 8};
+    const strata_buffer_desc misrouted = {
+        .struct_size = sizeof misrouted, .label = "misrouted pixels", .size = 4};
+    strata_result r = s->gpu->buffer_create(s->gpu->self, &ranges, &s->ranges);
+    if (r == STRATA_OK)
+        r = s->gpu->buffer_create(s->gpu->self, &misrouted, &s->misrouted);
+    return r == STRATA_OK ? s->gpu->pool_create(s->gpu->self, &records, &s->records) : r;
+}
+
+static strata_result program(const stencil *s, uint32_t kind, const char *label,
+                             const strata_glsl *source, strata_program *out) {
+    return s->gpu->program_create(s->gpu->self,
+                                  &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
+                                                         .kind = kind,
+                                                         .label = label,
+                                                         .source = source,
+                                                         .includes = includes},
+                                  out);
+}
+
+static strata_result prepare(void *state, const strata_view *view) {
+    stencil *s = state;
+    s->draws = view->draws(view->self, "draws.transparent/1");
+    s->limit = view->image(view->self, "limit/1");
+    strata_result r = create_images(s, view);
+    if (r == STRATA_OK)
+        r = create_buffers(s, view);
+    if (r == STRATA_OK)
+        r = counting_prepare(&s->counting, s->gpu, view, 0);
+    if (r == STRATA_OK)
+        r = program(s, STRATA_PROGRAM_SCENE, "route", &route_frag_glsl, &s->route_program);
+    if (r == STRATA_OK)
+        r = program(s, STRATA_PROGRAM_SCENE, "store", &store_frag_glsl, &s->store_program);
+    if (r == STRATA_OK)
+        r = program(s, STRATA_PROGRAM_COMPUTE, "check", &check_comp_glsl, &s->check_program);
+    if (r == STRATA_OK)
+        r = view->publish_fragments(view->self,
+                                    &(strata_fragments){.struct_size = sizeof(strata_fragments),
+                                                        .layout = STRATA_FRAGMENTS_CONTIGUOUS,
+                                                        .ranges = s->ranges,
+                                                        .records = s->records});
+    return r;
+}
+
+/* ---- record ---------------------------------------------------------------------------------- */
+
+static strata_bind bind_image(const char *name, strata_image image) {
+    return (strata_bind){.struct_size = sizeof(strata_bind), .name = name, .image = image};
+}
+
+static strata_bind bind_buffer(const char *name, strata_buffer buffer) {
+    return (strata_bind){.struct_size = sizeof(strata_bind), .name = name, .buffer = buffer};
+}
+
+/* Into layer i goes the fragment that finds 2 in the stencil: number i of those that pass. */
+static void record_route(const stencil *s, const strata_frame *frame, uint32_t layer) {
+    const uint32_t image = layer % BATCH / CHANNELS, channel = layer % CHANNELS;
+    const strata_bind limit = bind_image("limit_image", s->limit);
+    frame->pass(
+        frame->self,
+        &(strata_pass){.struct_size = sizeof(strata_pass),
+                       .label = "route",
+                       .program = s->route_program,
+                       .draws = s->draws,
+                       .binds = &limit,
+                       .bind_count = 1,
+                       .color = &(strata_attachment){.struct_size = sizeof(strata_attachment),
+                                                     .image = s->layers[image],
+                                                     .load = channel == 0 ? STRATA_LOAD_CLEAR
+                                                                          : STRATA_LOAD_KEEP,
+                                                     .mask_off = 15u & ~(1u << channel)},
+                       .color_count = 1,
+                       .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment),
+                                                     .image = s->routing,
+                                                     .load = STRATA_LOAD_CLEAR,
+                                                     .clear = {0, (float)(layer + ROUTED)}},
+                       .stencil_test = STRATA_TEST_EQUAL,
+                       .stencil_reference = ROUTED,
+                       .stencil_pass = STRATA_STENCIL_DECREMENT,
+                       .stencil_fail = STRATA_STENCIL_DECREMENT});
+}
+
+/* Layers first .. first + count - 1 have been routed: stores and checks them. */
+static void record_batch(const stencil *s, const strata_frame *frame, uint32_t first,
+                         uint32_t count) {
+    const uint32_t params[] = {first, count};
+    strata_bind binds[] = {bind_image("layers0", s->layers[0]),
+                           bind_image("layers4", s->layers[1]),
+                           bind_buffer("StrataRanges", s->ranges),
+                           {.struct_size = sizeof(strata_bind), .pool = s->records}};
+    strata_pass pass = {
+        .struct_size = sizeof pass, .params = params, .binds = binds, .bind_count = 4};
+    /* The last layer's stencil is below where it began by one for each fragment of the pixel: below
+     * ROUTED + count - 1 when these are more than the layers before the batch. */
+    pass.label = "store";
+    pass.program = s->store_program;
+    pass.draws = s->draws;
+    pass.params_size = sizeof params[0];
+    pass.depth =
+        &(strata_attachment){.struct_size = sizeof(strata_attachment), .image = s->routing};
+    pass.stencil_test = STRATA_TEST_GREATER;
+    pass.stencil_reference = ROUTED + count - 1;
+    frame->pass(frame->self, &pass);
+
+    pass.label = "check";
+    pass.program = s->check_program;
+    pass.draws = (strata_draws){0};
+    pass.params_size = sizeof params;
+    pass.depth = NULL;
+    pass.stencil_test = STRATA_TEST_NONE;
+    binds[3] = bind_buffer("Misrouted", s->misrouted);
+    strata_groups((uint64_t)frame->band_width * frame->band_height, pass.groups);
+    frame->pass(frame->self, &pass);
+}
+
+static void record(void *state, const strata_frame *frame) {
+    const stencil *s = state;
+    counting_record(&s->counting, frame, s->draws, s->limit, s->ranges, s->records, MOST_LAYERS);
+    frame->fill(frame->self, s->misrouted, 0, 0, 0);
+    for (uint32_t first = 0; first < s->layer_count; first += BATCH) {
+        const uint32_t left = s->layer_count - first, count = left < BATCH ? left : BATCH;
+        for (uint32_t i = 0; i < count; ++i)
+            record_route(s, frame, first + i);
+        record_batch(s, frame, first, count);
+    }
+}
+
+/* ---- verify ---------------------------------------------------------------------------------- */
+
+/* Layers grow at once, in a scene that moves by some more; they shrink when no frame of two windows
+ * needed them. */
+static strata_result learn(stencil *s, const strata_frame *frame, uint32_t largest) {
+    if (frame->index - s->window >= WINDOW) {
+        s->window = frame->index;
+        s->deepest_before = s->deepest;
+        s->deepest = 0;
+        s->layer_count = s->deepest_before;
+    }
+    s->deepest = largest > s->deepest ? largest : s->deepest;
+    if (largest <= s->layer_count)
+        return STRATA_OK;
+    const uint32_t wanted = frame->index > 0 ? largest + largest / 16 + 1 : largest;
+    s->layer_count = wanted < MOST_LAYERS ? wanted : MOST_LAYERS;
+    return STRATA_RETRY;
+}
+
+static strata_result refuse(const strata_frame *frame, const char *format, uint32_t number) {
+    char text[160];
+    snprintf(text, sizeof text, format, number);
+    frame->fail(frame->self, STRATA_ERROR_UNSUPPORTED, text);
+    return STRATA_ERROR_UNSUPPORTED;
+}
+
+static strata_result verify(void *state, const strata_frame *frame) {
+    stencil *s = state;
+    counting_totals totals;
+    uint32_t misrouted = 0;
+    strata_result r = counting_verify(&s->counting, frame, &totals);
+    if (r == STRATA_OK)
+        r = frame->read(frame->self, s->misrouted, 0, sizeof misrouted, &misrouted);
+    if (r != STRATA_OK)
+        return r;
+    if (totals.largest > MOST_LAYERS)
+        return refuse(frame,
+                      "a pixel holds %u fragments and a stencil of 8 bits routes 254; abuffer has "
+                      "no such limit",
+                      totals.largest);
+    if (misrouted > 0)
+        return refuse(frame, "this driver routed %u pixels otherwise than it counted them",
+                      misrouted);
+    frame->report(frame->self, STRATA_REPORT_MAX_PER_PIXEL, totals.largest);
+    return learn(s, frame, totals.largest);
+}
+
+static void destroy(void *state) {
+    memset(state, 0, sizeof(stencil));
+}
+
+/* ---- what the plan reads --------------------------------------------------------------------- */
+
+static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
+                              strata_cost *cost) {
+    static const uint64_t payload_bytes[] = {16, 8, 4}; /* STRATA_PAYLOAD_*, plain transparency */
+    (void)stats;
+    cost->bytes_per_pixel = 52;
+    cost->bytes_per_fragment = 8 + payload_bytes[(int)settings->values[0]];
+    cost->bytes_fixed = 64;
+    return STRATA_OK;
+}
+
+static const strata_slot_use draws_use = {.struct_size = sizeof(strata_slot_use),
+                                          .use = STRATA_SLOT_CONSUMES,
+                                          .slot = "draws.transparent/1"};
+static const strata_slot_use limit_use = {
+    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_CONSUMES, .slot = "limit/1"};
+static const strata_slot_use fragments_use = {.struct_size = sizeof(strata_slot_use),
+                                              .use = STRATA_SLOT_PRODUCES,
+                                              .slot = "fragments/1",
+                                              .layouts = 1u << STRATA_FRAGMENTS_CONTIGUOUS};
+static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &fragments_use};
+
+static const char *const payload_choices[] = {"float", "half", "unorm8", NULL};
+static const strata_knob payload = {.struct_size = sizeof(strata_knob),
+                                    .type = STRATA_KNOB_CHOICE,
+                                    .name = "payload",
+                                    .title = "precision of what a record holds",
+                                    .maximum = 2,
+                                    .choices = payload_choices,
+                                    .trades_accuracy = 1};
+static const strata_knob *const knobs[] = {&payload};
+
+static const strata_promises promises = {
+    .struct_size = sizeof(strata_promises),
+    .order = STRATA_ORDER_EXACT,
+    .determinism = STRATA_DETERMINISM_BIT,
+    .largest_depth = MOST_LAYERS,
+    .memory = "52 pixels + (8 + payload) fragments; payload: unorm8 4, half 8, float 16"};
+
+/* Two geometry passes and one more with each layer: what a fragment costs grows with the depth. */
+static const strata_cost_model cost = {.struct_size = sizeof(strata_cost_model),
+                                       .frame = 20000,
+                                       .per_pixel = 4,
+                                       .per_fragment = 2,
+                                       .per_fragment_log2_depth = 8,
+                                       .per_triangle = 100};
+
+static const strata_technique technique = {
+    .struct_size = sizeof(strata_technique),
+    .state_size = sizeof(stencil),
+    .id = "stencil",
+    .title = "Stencil-routed A-buffer: layers told apart by counting down in the stencil",
+    .reference = "Myers and Bavoil 2007, Stencil Routed A-Buffer",
+    .stage = "capture",
+    .slots = slots,
+    .slot_count = 3,
+    .knobs = knobs,
+    .knob_count = 1,
+    .promises = &promises,
+    .cost = &cost,
+    .estimate = estimate,
+    .create = create,
+    .prepare = prepare,
+    .record = record,
+    .verify = verify,
+    .destroy = destroy,
+};
+static const strata_technique *const techniques[] = {&technique};
+
+STRATA_EXPORT extern const strata_module strata_module_v1;
+const strata_module strata_module_v1 = {
+    .struct_size = sizeof(strata_module),
+    .abi_version = STRATA_ABI_VERSION,
+    .min_host_version = STRATA_VERSION(1, 0),
+    .id = "stencil",
+    .title = "Stencil-routed A-buffer",
+    .version = "1.0",
+    .licence = "MIT",
+    .techniques = techniques,
+    .technique_count = 1,
+};
