@@ -19,6 +19,16 @@ static strata_result allowed(render_technique *t) {
                      t->planned->technique->id);
 }
 
+/* A struct of a technique's, of this or another version; *out has the size known here. */
+static strata_result take(render_technique *t, void *out, size_t size, const void *given,
+                          const char *name) {
+    if (given && base_take(out, size, given))
+        return STRATA_OK;
+    return base_fail(&t->error, STRATA_ERROR_INVALID_ARGUMENT, "%s: %s %s",
+                     t->planned->technique->id, name,
+                     given ? "has no struct_size, or is of a later version" : "is NULL");
+}
+
 static strata_result technique_buffer(void *self, const strata_buffer_desc *desc,
                                       strata_buffer *out) {
     render_technique *t = self;
@@ -29,13 +39,13 @@ static strata_result technique_buffer(void *self, const strata_buffer_desc *desc
 
 static strata_result technique_image(void *self, const strata_image_desc *desc, strata_image *out) {
     render_technique *t = self;
+    strata_image_desc sized = {.struct_size = sizeof sized};
     strata_result r = allowed(t);
     *out = (strata_image){0};
+    if (r == STRATA_OK)
+        r = take(t, &sized, sizeof sized, desc, "strata_image_desc");
     if (r != STRATA_OK)
         return r;
-    strata_image_desc sized = {.struct_size = sizeof sized};
-    memcpy(&sized, desc, desc->struct_size < sizeof sized ? desc->struct_size : sizeof sized);
-    sized.struct_size = sizeof sized;
     if (sized.width == 0)
         sized.width = t->session->width;
     if (sized.height == 0)
@@ -54,8 +64,9 @@ static strata_result technique_pool(void *self, const strata_pool_desc *desc, st
         return base_fail(&t->error, STRATA_ERROR_OVERFLOW, "%s: more than %u pools",
                          t->planned->technique->id, RENDER_MAX_POOLS);
     strata_pool_desc sized = {.struct_size = sizeof sized};
-    memcpy(&sized, desc, desc->struct_size < sizeof sized ? desc->struct_size : sizeof sized);
-    sized.struct_size = sizeof sized;
+    r = take(t, &sized, sizeof sized, desc, "strata_pool_desc");
+    if (r != STRATA_OK)
+        return r;
     const uint32_t i = t->pool_count;
     if (t->pool_capacity[i] > sized.expected)
         sized.expected = t->pool_capacity[i];
@@ -156,11 +167,15 @@ static strata_result view_publish_fragments(void *self, const strata_fragments *
         return base_fail(&t->error, STRATA_ERROR_INVALID_ARGUMENT,
                          "%s: publishes fragments/1, which it does not produce",
                          t->planned->technique->id);
-    if (fragments->layout != t->session->plan->layout)
+    strata_fragments taken = {.struct_size = sizeof taken};
+    strata_result r = take(t, &taken, sizeof taken, fragments, "strata_fragments");
+    if (r != STRATA_OK)
+        return r;
+    if (taken.layout != t->session->plan->layout)
         return base_fail(&t->error, STRATA_ERROR_MODULE,
                          "%s: publishes fragments/1 in another layout than its mode says",
                          t->planned->technique->id);
-    t->session->fragments = *fragments;
+    t->session->fragments = taken;
     t->session->has_fragments = 1;
     return STRATA_OK;
 }

@@ -9,8 +9,8 @@
 
 #include "gpu/rig.h"
 
-extern const struct CMUnitTest storage_tests[], drawing_tests[];
-extern const size_t storage_test_count, drawing_test_count;
+extern const struct CMUnitTest storage_tests[], target_tests[], drawing_tests[];
+extern const size_t storage_test_count, target_test_count, drawing_test_count;
 
 /* The rig, with an empty scope; skips the test without one. */
 static inline rig *backend_rig(void **state) {
@@ -18,6 +18,16 @@ static inline rig *backend_rig(void **state) {
         skip();
     rig_clear(*state);
     return *state;
+}
+
+/* A fragment shader of one colour, its parameter. */
+static const char backend_flat_color[] = "STRATA_PARAMS { vec4 color; } params;\n"
+                                         "layout(location = 0) out vec4 color;\n"
+                                         "void main() { color = params.color; }\n";
+
+static inline strata_attachment backend_attach(strata_image image, uint32_t load, uint32_t blend) {
+    return (strata_attachment){
+        .struct_size = sizeof(strata_attachment), .image = image, .load = load, .blend = blend};
 }
 
 #endif

@@ -20,11 +20,14 @@ static int close_backend(void **state) {
 }
 
 static int run_on(const char *backend) {
-    char storage[64], drawing[64];
+    char storage[64], targets[64], drawing[64];
     current = backend;
     snprintf(storage, sizeof storage, "%s: storage", backend);
+    snprintf(targets, sizeof targets, "%s: targets", backend);
     snprintf(drawing, sizeof drawing, "%s: drawing", backend);
     return _cmocka_run_group_tests(storage, storage_tests, storage_test_count, open_backend,
+                                   close_backend) +
+           _cmocka_run_group_tests(targets, target_tests, target_test_count, open_backend,
                                    close_backend) +
            _cmocka_run_group_tests(drawing, drawing_tests, drawing_test_count, open_backend,
                                    close_backend);

@@ -232,6 +232,94 @@ static void pools_of_opaque_techniques_grow(void **state) {
     }
 }
 
+/* ---- structs of techniques --------------------------------------------------------------------
+ */
+
+/* The capture technique, which first hands over structs that the host must not trust. */
+static struct {
+    strata_technique table;
+    const strata_technique *capture;
+    const strata_gpu *gpu;
+    uint32_t probed;
+} careless;
+
+static void probe_creation(const strata_gpu *table) {
+    struct {
+        strata_image_desc known;
+        uint64_t later;
+    } picture = {
+        .known = {.struct_size = sizeof picture, .format = STRATA_FORMAT_R32F, .label = "i"},
+        .later = 1};
+    struct {
+        strata_pool_desc known;
+        uint64_t later;
+    } pool = {.known = {.struct_size = sizeof pool,
+                        .label = "p",
+                        .plane_count = 1,
+                        .counter_name = "C",
+                        .plane_names = {"P"},
+                        .plane_strides = {4}},
+              .later = 1};
+    strata_image i = {1};
+    strata_pool p = {1};
+    assert_int_equal(table->image_create(table->self, NULL, &i), STRATA_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(i.id, 0);
+    assert_int_equal(table->pool_create(table->self, NULL, &p), STRATA_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(p.id, 0);
+    assert_int_equal(table->image_create(table->self, &picture.known, &i),
+                     STRATA_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(table->pool_create(table->self, &pool.known, &p),
+                     STRATA_ERROR_INVALID_ARGUMENT);
+    picture.later = pool.later = 0;
+    assert_int_equal(table->image_create(table->self, &picture.known, &i), STRATA_OK);
+    assert_int_equal(table->pool_create(table->self, &pool.known, &p), STRATA_OK);
+    picture.known.struct_size = pool.known.struct_size = 0;
+    assert_int_equal(table->image_create(table->self, &picture.known, &i),
+                     STRATA_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(table->pool_create(table->self, &pool.known, &p),
+                     STRATA_ERROR_INVALID_ARGUMENT);
+}
+
+static strata_result careless_prepare(void *state, const strata_view *view) {
+    struct {
+        strata_fragments known;
+        uint64_t later;
+    } fragments = {.known = {.struct_size = sizeof fragments, .layout = view->layout}, .later = 1};
+    probe_creation(careless.gpu);
+    assert_int_equal(view->publish_fragments(view->self, NULL), STRATA_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(view->publish_fragments(view->self, &fragments.known),
+                     STRATA_ERROR_INVALID_ARGUMENT);
+    fragments.later = 0;
+    fragments.known.nearest = 5; /* beyond what this module's version has: not read */
+    fragments.known.struct_size = offsetof(strata_fragments, nearest);
+    assert_int_equal(view->publish_fragments(view->self, &fragments.known), STRATA_OK);
+    const render_technique *t = view->self;
+    assert_int_equal(t->session->fragments.nearest, 0);
+    assert_int_equal(t->session->fragments.struct_size, sizeof(strata_fragments));
+    careless.probed++;
+    return careless.capture->prepare(state, view);
+}
+
+static void structs_of_techniques_are_checked(void **state) {
+    (void)state;
+    strata *s = open_null();
+    strata_scene *sc = layers(s);
+    assert_int_equal(strata_render(s, sc, &small), STRATA_OK);
+    render_technique *t = &s->session->techniques[0];
+    while (strcmp(t->technique->stage, "capture") != 0)
+        ++t;
+    memset(&careless, 0, sizeof careless);
+    careless.capture = t->technique;
+    careless.table = *t->technique;
+    careless.table.prepare = careless_prepare;
+    careless.gpu = &t->gpu;
+    t->technique = &careless.table;
+    s->session->prepared = 0;
+    strata_render(s, sc, &small);
+    assert_int_equal(careless.probed, 1);
+    strata_close(s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_image_outlives_its_scene),
@@ -240,6 +328,7 @@ int main(void) {
         cmocka_unit_test(senseless_options_are_refused),
         cmocka_unit_test(every_render_may_lose_the_device),
         cmocka_unit_test(pools_of_opaque_techniques_grow),
+        cmocka_unit_test(structs_of_techniques_are_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
