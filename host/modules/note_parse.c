@@ -200,6 +200,9 @@ static const strata_cost_model *read_cost(json_reader *r, const json_t *object) 
         .per_fragment = read_real(r, from, "per_fragment"),
         .per_fragment_log2_depth = read_real(r, from, "per_fragment_log2_depth"),
         .per_triangle = read_real(r, from, "per_triangle"),
+        .per_depth = read_real(r, from, "per_depth"),
+        .per_depth_fragment = read_real(r, from, "per_depth_fragment"),
+        .per_depth_triangle = read_real(r, from, "per_depth_triangle"),
     };
     return cost;
 }
