@@ -40,6 +40,43 @@ static void cost_text(const plan_work *w, double cost, char text[48]) {
         snprintf(text, 48, "%.4g blended fragments", cost);
 }
 
+/* ---- what is promised with these settings ---------------------------------------------------- */
+
+/* Promises hold at the presets of what trades accuracy: a number that is set keeps so many of the
+ * nearest fragments, a mode that is set folds in another order. */
+static int moved(const plan_candidate *c, uint32_t type, const char *name) {
+    for (uint32_t i = 0; i < c->note->knob_count; i++) {
+        const strata_knob *knob = c->note->knobs[i];
+        if (knob->trades_accuracy && knob->type == type && c->values[i] != knob->preset &&
+            (!name || strcmp(knob->name, name) == 0))
+            return 1;
+    }
+    return 0;
+}
+
+static uint32_t order_of(const plan_candidate *c) {
+    const uint32_t order = c->note->promises->order;
+    return order == STRATA_ORDER_EXACT && moved(c, STRATA_KNOB_INT, NULL) ? STRATA_ORDER_NEAREST
+                                                                          : order;
+}
+
+static int is_exact(const plan_candidate *c) {
+    return c->note->promises && order_of(c) == STRATA_ORDER_EXACT;
+}
+
+/* Whether it would have to hold more than it can; what keeps the nearest only never has to. */
+static int is_too_deep(const plan_work *w, const plan_candidate *c) {
+    const strata_promises *p = c->note->promises;
+    return p && p->largest_depth > 0 && w->in->stats->largest_depth > (double)p->largest_depth &&
+           order_of(c) == p->order;
+}
+
+static int is_bounded(const plan_candidate *c) {
+    const strata_promises *p = c->note->promises;
+    return p &&
+           (p->determinism == STRATA_DETERMINISM_BOUNDED || moved(c, STRATA_KNOB_CHOICE, "mode"));
+}
+
 /* ---- who may take part ----------------------------------------------------------------------- */
 
 /* Why c may not fold this frame, whoever asks; 0 when it may. */
@@ -49,11 +86,11 @@ static int check_frame(const plan_work *w, plan_candidate *c) {
         plan_reason(c, "deep output needs fragments/1, which it does not produce");
         return 1;
     }
-    if (w->in->need_fragments && p && p->order != STRATA_ORDER_EXACT) {
+    if (w->in->need_fragments && p && !is_exact(c)) {
         plan_reason(c, "deep output needs every fragment, which it does not keep");
         return 1;
     }
-    if (c->role == PLAN_CAPTURE || !p || p->determinism != STRATA_DETERMINISM_BOUNDED)
+    if (c->role == PLAN_CAPTURE || !is_bounded(c))
         return 0;
     for (uint32_t i = 0; i < w->out->effect_count; i++) {
         const plan_effect *e = &w->out->effects[i];
@@ -72,15 +109,15 @@ static int check_accuracy(const plan_work *w, plan_candidate *c) {
         plan_reason(c, "it promises nothing about its accuracy; --use may name it");
         return 1;
     }
-    if (p->order == STRATA_ORDER_APPROXIMATE) {
+    if (order_of(c) == STRATA_ORDER_APPROXIMATE) {
         plan_reason(c, "it is approximate, without a bound; --use may name it");
         return 1;
     }
-    if (p->order == STRATA_ORDER_NEAREST && !(w->in->tolerance > 0.0)) {
+    if (order_of(c) == STRATA_ORDER_NEAREST && !(w->in->tolerance > 0.0)) {
         plan_reason(c, "it keeps the nearest fragments only, and no tolerance is given");
         return 1;
     }
-    if (p->largest_depth > 0 && w->in->stats->largest_depth > (double)p->largest_depth) {
+    if (is_too_deep(w, c)) {
         plan_reason(c, "it holds %u fragments a pixel, and about %.0f are expected",
                     p->largest_depth, w->in->stats->largest_depth);
         return 1;
@@ -211,11 +248,8 @@ static strata_result fail_none(const search *s) {
 static void describe_choice(const search *s) {
     const way *b = &s->best;
     plan_candidate *first = b->capture ? b->capture : b->fold;
-    const strata_promises *p = b->fold->note->promises;
     char cost[48], count[32];
-    int exact = p && p->order == STRATA_ORDER_EXACT &&
-                (!b->capture || (b->capture->note->promises &&
-                                 b->capture->note->promises->order == STRATA_ORDER_EXACT));
+    int exact = is_exact(b->fold) && (!b->capture || is_exact(b->capture));
     cost_text(s->w, b->cost, cost);
     demand_number((uint64_t)s->w->in->stats->transparent_fragments, count);
     for (plan_candidate *c = first; c; c = c == b->fold ? NULL : b->fold) {
@@ -332,10 +366,10 @@ strata_result plan_choose_fold(plan_work *w) {
     result = settle(&s);
     for (plan_candidate *c = s.best.fold; c && result == STRATA_OK;
          c = c == s.best.capture ? NULL : s.best.capture) {
-        const strata_promises *p = c->note->promises;
-        if (p && p->largest_depth > 0 && w->in->stats->largest_depth > (double)p->largest_depth)
+        if (is_too_deep(w, c))
             result = plan_warn(w, "%s holds %u fragments a pixel, and about %.0f are expected",
-                               c->note->id, p->largest_depth, w->in->stats->largest_depth);
+                               c->note->id, c->note->promises->largest_depth,
+                               w->in->stats->largest_depth);
     }
     return result;
 }

@@ -16,7 +16,7 @@
 
 enum {
     BATCH = 4,         /* steps in the first batch of a band that was never rendered */
-    STEP_LIMIT = 4096, /* a fragment among several at its depth takes two steps, others one */
+    STEP_LIMIT = 2048, /* a fragment among several at its depth takes two steps, others one */
     LARGEST_DEPTH = STEP_LIMIT / 2,
     KNOWN_BANDS = 64
 };
@@ -281,8 +281,7 @@ static uint32_t record_steps(const peel *p, const strata_frame *frame, uint32_t 
     do {
         if (steps == STEP_LIMIT) {
             frame->fail(frame->self, STRATA_ERROR_OVERFLOW,
-                        "after 4096 steps a pixel still has fragments; peel is for some 2,000 at "
-                        "most, abuffer has no such limit");
+                        "after 2048 steps a pixel still has fragments; abuffer has no such limit");
             return 0;
         }
         for (; batch > 0 && steps < STEP_LIMIT; --batch) {

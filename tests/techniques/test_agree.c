@@ -74,6 +74,10 @@ static const exact_way ways[] = {
     {.way = {.use = "stencil,ppc", .settings = {"stencil.payload=unorm8"}},
      .depth = 254,
      .payload = "unorm8"},
+    {.way = {.use = "peel"}},
+    {.way = {.use = "peel", .bands = 5, .shuffle = 3}},
+    {.way = {.use = "peel", .settings = {"peel.payload=half"}}, .payload = "half"},
+    {.way = {.use = "peel", .settings = {"peel.payload=unorm8"}}, .payload = "unorm8"},
 };
 
 static const char *const payloads[] = {"float", "half", "unorm8"};

@@ -75,6 +75,22 @@ static const strata_knob threshold = {
     .preset = 0.25,
 };
 
+static const strata_knob layers = {
+    .struct_size = sizeof layers,
+    .type = STRATA_KNOB_INT,
+    .name = "layers",
+    .maximum = 64,
+    .trades_accuracy = 1,
+};
+static const strata_knob sides = {
+    .struct_size = sizeof sides,
+    .type = STRATA_KNOB_CHOICE,
+    .name = "mode",
+    .maximum = 1,
+    .choices = (const char *const[]){"front_to_back", "dual", NULL},
+    .trades_accuracy = 1,
+};
+
 #define TRANSPARENT SLOT(CONSUMES, "draws.transparent/1", 0, 0), SLOT(CONSUMES, "limit/1", 0, 0)
 #define FOLDS(bits) SLOTS(SLOT(CONSUMES, "fragments/1", bits, 0), SLOT(UPDATES, "color/1", 0, 0))
 
@@ -134,8 +150,20 @@ static const modules_technique_note techniques[] = {
     {.id = "peel",
      .stage = "stream",
      SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0)),
+     KNOBS(&layers, &sides),
      PROMISE(EXACT, BIT, 0),
      COST(5)},
+    {.id = "pass", /* one for each layer: 10 units of depth for 1,000 fragments */
+     .stage = "stream",
+     SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0)),
+     KNOBS(&layers),
+     PROMISE(EXACT, BIT, 100),
+     .cost = &(const strata_cost_model){.struct_size = sizeof(strata_cost_model),
+                                        .frame = 40,
+                                        .per_triangle = 3,
+                                        .per_depth = 4,
+                                        .per_depth_fragment = 0.25,
+                                        .per_depth_triangle = 2}},
     {.id = "kbuffer",
      .stage = "stream",
      SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0)),

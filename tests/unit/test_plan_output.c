@@ -145,6 +145,17 @@ static void streams_capture_nothing(void **state) {
     assert_true(plan_find(p, "occupancy")->cost == 1000.0);
     assert_true(plan_floors(p, 1500.0) == 1.5);
     plan_free(p);
+    /* 40 + 3 x 40 triangles + 10 layers x (4 + 0.25 x 1,000 fragments + 2 x 40 triangles) */
+    p = get(&(request){FOR("pass over", "b")}, &k, &d);
+    assert_true(plan_find(p, "pass")->cost == 3500.0);
+    plan_free(p);
+    p = get(&(request){FOR("pass over", "bd"), .use = "pass"}, &k, &d);
+    assert_int_equal(p->warning_count, 1);
+    plan_free(p);
+    p = get(&(request){FOR("pass over", "bd"), .use = "pass", .settings = {"pass.layers=8"}}, &k,
+            &d);
+    assert_int_equal(p->warning_count, 0);
+    plan_free(p);
 }
 
 static void effects_are_decided(void **state) {
