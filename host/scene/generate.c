@@ -13,7 +13,7 @@
 /* In the order of scene_generators. */
 static void (*const builders[])(generate_builder *) = {
     generate_shells, generate_soup, generate_hairball, generate_needles, generate_particles,
-    generate_stack,  generate_city, generate_layers,   generate_glass,
+    generate_stack,  generate_city, generate_layers,   generate_glass,   generate_burst,
 };
 
 enum { MAX_KNOBS = 16 };

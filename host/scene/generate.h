@@ -160,6 +160,14 @@ enum {
 };
 enum { GLASS_SEED, GLASS_DETAIL, GLASS_SMOKE };
 enum { CITY_STREET, CITY_AERIAL };                             /* CITY_VIEW */
+enum { /* burst */
+    BURST_SEED,
+    BURST_MEAN,
+    BURST_SPREAD,
+    BURST_WIDTH,
+    BURST_HEIGHT,
+    BURST_ALPHA
+};
 enum { LAYERS_ALL, LAYERS_PIXEL };                             /* LAYERS_WHERE */
 enum { LAYERS_SHUFFLED, LAYERS_NEAR_FIRST, LAYERS_FAR_FIRST }; /* LAYERS_ORDER */
 
@@ -173,6 +181,7 @@ void generate_particles(generate_builder *b);
 void generate_stack(generate_builder *b);
 void generate_city(generate_builder *b);
 void generate_layers(generate_builder *b);
+void generate_burst(generate_builder *b);
 void generate_glass(generate_builder *b);
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Scenes made for counting fragments: soup (even depth complexity), stack (equal depths), layers
- * (exactly so many fragments in exactly these pixels) and particles (splats). Unlit, so that
+ * (exactly so many fragments in exactly these pixels), burst (so many, unevenly) and particles
+ * (splats). Unlit, so that
  * shading costs nothing.
  */
 #include "scene/generate.h"
@@ -161,8 +162,8 @@ static void layers_add(generate_mesh *mesh, const double box[4], double z, const
 }
 
 /* The depth rank of each layer in the order of the file; NULL when out of memory. */
-static uint32_t *layers_order(generate_builder *b, uint32_t count) {
-    uint32_t *rank = base_calloc(count, sizeof *rank), order = generate_knob(b, LAYERS_ORDER);
+static uint32_t *layers_order(generate_builder *b, uint32_t count, uint32_t order) {
+    uint32_t *rank = base_calloc(count, sizeof *rank);
     for (uint32_t i = 0; rank && i < count; i++)
         rank[i] = order == LAYERS_FAR_FIRST ? count - 1 - i : i;
     for (uint32_t i = count; rank && order == LAYERS_SHUFFLED && i > 1; i--) {
@@ -195,7 +196,7 @@ static void layers_box(const generate_builder *b, double aspect, double box[4]) 
 static void layers_mesh(generate_builder *b, uint32_t count, double aspect) {
     double box[4];
     scene_material blend = unlit_blend();
-    uint32_t *rank = layers_order(b, count);
+    uint32_t *rank = layers_order(b, count, generate_knob(b, LAYERS_ORDER));
     b->failed |= !rank;
     layers_box(b, aspect, box);
     double hue = generate_unit(&b->random);
@@ -226,6 +227,70 @@ void generate_layers(generate_builder *b) {
     if (count > 0)
         layers_mesh(b, count, aspect);
     generate_camera_flat(b, aspect, 1, 1.0625);
+}
+
+/* ---- burst ---------------------------------------------------------------------------------- */
+
+static int descending(const void *a, const void *b) {
+    const uint32_t left = *(const uint32_t *)a, right = *(const uint32_t *)b;
+    return left < right ? 1 : left > right ? -1 : 0;
+}
+
+/* Fragments of each pixel, most first: the first share s of the pixels holds the share s^(1 -
+ * spread) of all fragments. NULL when out of memory. */
+static uint32_t *burst_counts(const generate_builder *b, uint32_t pixels) {
+    const double total = floor(b->knobs[BURST_MEAN] * pixels + 0.5);
+    const double power = 1 - b->knobs[BURST_SPREAD];
+    uint32_t *counts = base_calloc(pixels, sizeof *counts);
+    double before = 0;
+    for (uint32_t i = 0; counts && i < pixels; i++) {
+        double upto = floor(total * pow((i + 1.0) / pixels, power) + 0.5);
+        counts[i] = (uint32_t)(upto - before);
+        before = upto;
+    }
+    if (counts)
+        qsort(counts, pixels, sizeof *counts, descending);
+    return counts;
+}
+
+/* Covers the pixels of a rectangle; its edges lie well inside pixels, beside their centres. */
+static void burst_add(const generate_builder *b, generate_mesh *mesh, const uint32_t cells[4],
+                      double z, const float color[3]) {
+    double w = b->knobs[BURST_WIDTH], h = b->knobs[BURST_HEIGHT], aspect = w / h;
+    const double box[4] = {aspect * (2 * (cells[0] + 0.25) / w - 1), 2 * (cells[1] + 0.25) / h - 1,
+                           aspect * (2 * (cells[2] - 0.0625) / w - 1),
+                           2 * (cells[3] - 0.25) / h - 1};
+    if (cells[0] < cells[2] && cells[1] < cells[3])
+        layers_add(mesh, box, z, color, b->knobs[BURST_ALPHA]);
+}
+
+/* Layers at distinct depths, each over the pixels that have so many: whole rows, and the begin of
+ * one more. */
+void generate_burst(generate_builder *b) {
+    uint32_t width = generate_knob(b, BURST_WIDTH), height = generate_knob(b, BURST_HEIGHT);
+    uint32_t pixels = width * height, *counts = burst_counts(b, pixels);
+    uint32_t layers = counts ? counts[0] : 0;
+    uint32_t *rank = layers_order(b, layers, LAYERS_SHUFFLED);
+    scene_material blend = unlit_blend();
+    b->failed |= !counts || (layers > 0 && !rank);
+    double hue = generate_unit(&b->random);
+    generate_mesh mesh = generate_mesh_begin(b, GENERATE_NORMALS | GENERATE_COLORS);
+    for (uint32_t i = 0, covered = pixels; i < layers && !b->failed; i++) {
+        double z = -(rank[i] + 1.0) / (layers + 1.0);
+        float color[3];
+        while (covered > 0 && counts[covered - 1] <= i)
+            covered--;
+        uint32_t row = covered / width, rest = covered % width;
+        generate_hue(hue + rank[i] * 0.381966, color);
+        burst_add(b, &mesh, (const uint32_t[4]){0, 0, width, row}, z, color);
+        burst_add(b, &mesh, (const uint32_t[4]){0, row, rest, row + 1}, z, color);
+    }
+    free(counts);
+    free(rank);
+    uint32_t material = generate_material(b, "burst", &blend);
+    if (layers > 0)
+        generate_instance_here(b, generate_mesh_end(&mesh, "burst", material));
+    generate_camera_flat(b, b->knobs[BURST_WIDTH] / b->knobs[BURST_HEIGHT], 1, 1.0625);
 }
 
 /* ---- particles ------------------------------------------------------------------------------ */

@@ -82,6 +82,14 @@ static const scene_generator_knob layers[] = {
     [LAYERS_ORDER] = {"order", "in the file", LAYERS_SHUFFLED, 0, 2, 1, layer_orders},
     [LAYERS_OPAQUE] = {"opaque", "1: an opaque backdrop", 0, 0, 1, 1, NULL},
 };
+static const scene_generator_knob burst[] = {
+    [BURST_SEED] = SEED,
+    [BURST_MEAN] = {"mean", "fragments a pixel, on average", 16, 0, 1e6, 0, NULL},
+    [BURST_SPREAD] = {"spread", "0: as many in each pixel; 1: all in one", 0.5, 0, 1, 0, NULL},
+    [BURST_WIDTH] = {"width", "of the image this is rendered to", 64, 1, 4096, 1, NULL},
+    [BURST_HEIGHT] = {"height", "of the image this is rendered to", 64, 1, 4096, 1, NULL},
+    [BURST_ALPHA] = {"alpha", "opacity of a fragment", 0.01, 0, 1, 0, NULL},
+};
 static const scene_generator_knob glass[] = {
     [GLASS_SEED] = SEED,
     [GLASS_DETAIL] = {"detail", "triangles grow with its square", 4, 1, 40, 1, NULL},
@@ -100,6 +108,7 @@ static const scene_generator generators[] = {
     {.name = "city", .title = "instanced buildings, some of glass", KNOBS(city)},
     {.name = "layers", .title = "rectangles at distinct depths, pixel by pixel", KNOBS(layers)},
     {.name = "glass", .title = "a still life of coloured glass and smoke", KNOBS(glass)},
+    {.name = "burst", .title = "so many fragments, from even to all in one pixel", KNOBS(burst)},
 };
 
 const scene_generator *scene_generators(uint32_t *count) {

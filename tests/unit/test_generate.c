@@ -162,7 +162,7 @@ static void every_scene_generates_and_repeats_itself(void **state) {
     (void)state;
     uint32_t count;
     const scene_generator *kinds = scene_generators(&count);
-    assert_int_equal(count, 9);
+    assert_int_equal(count, 10);
     for (uint32_t i = 0; i < count; i++) {
         char seeded[64];
         snprintf(seeded, sizeof seeded, "%s seed=42", kinds[i].name);
@@ -342,6 +342,29 @@ static void layers_cover_exactly_the_pixels_asked_for(void **state) {
     }
 }
 
+/* The number of fragments does not depend on how they are spread. */
+static void bursts_have_as_many_fragments_as_asked_for(void **state) {
+    (void)state;
+    static const char *const spreads[] = {"0", "0.25", "0.5", "0.9", "1"};
+    static const uint32_t deepest[] = {9, 37, 153, 1476, 2601};
+    for (size_t i = 0; i < BASE_COUNT(spreads); i++) {
+        char text[96];
+        snprintf(text, sizeof text, "burst mean=9 width=17 height=17 spread=%s", spreads[i]);
+        scene *s = generated(text);
+        coverage c = cover(s, 17);
+        uint64_t sum = 0;
+        uint32_t most = 0;
+        for (size_t p = 0; p < 17 * 17; p++) {
+            sum += c.count[p];
+            most = c.count[p] > most ? c.count[p] : most;
+        }
+        assert_int_equal(sum, 9 * 17 * 17);
+        assert_int_equal(most, deepest[i]);
+        free(c.count);
+        scene_free(s);
+    }
+}
+
 static int compare_floats(const void *a, const void *b) {
     float x, y;
     memcpy(&x, a, sizeof x);
@@ -397,6 +420,7 @@ int main(void) {
         cmocka_unit_test(wrong_knobs_are_named_with_the_list),
         cmocka_unit_test(soup_has_the_depth_it_is_asked_for),
         cmocka_unit_test(layers_cover_exactly_the_pixels_asked_for),
+        cmocka_unit_test(bursts_have_as_many_fragments_as_asked_for),
         cmocka_unit_test(layers_have_distinct_depths),
         cmocka_unit_test(stack_lies_in_one_plane_to_the_bit),
     };
