@@ -22,7 +22,7 @@ typedef struct config {
     char name[160], words[160];
     strata *instance;
     strata_scene *scene;
-    double ms[MAX_FRAMES], cpu_ms[MAX_FRAMES];
+    double ms[MAX_FRAMES], cpu_ms[MAX_FRAMES], last_ms[MAX_FRAMES]; /* last: see last_technique */
     json_t *account, *first; /* of the last frame, and of the first, before the camera turned */
 } config;
 
@@ -82,6 +82,20 @@ static double last_frame(json_t *account) {
     return json_number_value(json_array_get(frames, json_array_size(frames) - 1));
 }
 
+/* Time of the technique that `use` names last, for a capture and its resolve the resolve. */
+static double last_technique(json_t *account, const char *use) {
+    const char *id = strrchr(use, ',') ? strrchr(use, ',') + 1 : use;
+    double ms = 0;
+    size_t i;
+    json_t *pass;
+    json_array_foreach(json_object_get(account, "passes"), i, pass) {
+        const char *technique = json_string_value(json_object_get(pass, "technique"));
+        if (technique && strcmp(technique, id) == 0)
+            ms += json_number_value(json_object_get(pass, "gpu_ms"));
+    }
+    return ms;
+}
+
 static int open_config(config *c, const options *o) {
     const strata_open_options open = {
         .struct_size = sizeof open, .backend = c->backend, .module_path = o->module_path};
@@ -113,6 +127,7 @@ static int run_frame(config *c, const options *o, int32_t frame, double angle) {
         c->first = json_incref(c->account);
     if (frame >= 0) {
         c->ms[frame] = last_frame(c->account);
+        c->last_ms[frame] = last_technique(c->account, c->use);
         c->cpu_ms[frame] = now_ms(CLOCK_PROCESS_CPUTIME_ID) - cpu;
     }
     return 1;
@@ -211,7 +226,7 @@ static double fragments_of(const config *configs, uint32_t count) {
 }
 
 static json_t *result_of(const config *c, double floor_ms, double fragments, const options *o) {
-    const double ms = median(c->ms, o->frames);
+    const double ms = median(c->ms, o->frames), last_ms = median(c->last_ms, o->frames);
     json_t *bytes = json_object_get(c->first, "bytes");
     const double first_fragments = fragments_in(c->first);
     const double stored = json_number_value(json_object_get(bytes, "abuffer")) +
@@ -220,14 +235,15 @@ static json_t *result_of(const config *c, double floor_ms, double fragments, con
     json_t *frames = json_array();
     for (uint32_t i = 0; i < o->frames; ++i)
         json_array_append_new(frames, json_real(c->ms[i]));
-    return json_pack("{s:s, s:s, s:f, s:o, s:f, s:f, s:f, s:f, s:f, s:O, s:O, s:O}", "name",
-                     c->name, "backend", c->backend, "ms", ms, "frame_ms", frames, "mad_ms",
-                     deviation(c->ms, o->frames), "cpu_ms", median(c->cpu_ms, o->frames), "x_floor",
-                     ms / floor_ms, "mfragments_s", fragments / ms / 1e3,
-                     "bytes_a_fragment_beyond_16_a_pixel",
-                     first_fragments > 0 ? (stored - 16 * pixels) / first_fragments : 0, "bytes",
-                     bytes, "passes", json_object_get(c->account, "passes"), "device",
-                     json_object_get(c->account, "device"));
+    return json_pack(
+        "{s:s, s:s, s:f, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:O, s:O, s:O}", "name", c->name,
+        "backend", c->backend, "ms", ms, "frame_ms", frames, "mad_ms", deviation(c->ms, o->frames),
+        "cpu_ms", median(c->cpu_ms, o->frames), "x_floor", ms / floor_ms, "mfragments_s",
+        fragments / ms / 1e3, "last_technique_ms", last_ms, "last_technique_mfragments_s",
+        last_ms > 0 ? fragments / last_ms / 1e3 : 0, "bytes_a_fragment_beyond_16_a_pixel",
+        first_fragments > 0 ? (stored - 16 * pixels) / first_fragments : 0, "bytes", bytes,
+        "passes", json_object_get(c->account, "passes"), "device",
+        json_object_get(c->account, "device"));
 }
 
 static int print_results(const config *configs, uint32_t count, const options *o) {

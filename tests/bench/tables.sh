@@ -4,8 +4,8 @@
 # The texts' tables: sh tests/bench/tables.sh BUILD OUT [TABLE..] [-- ARGUMENTS OF bench]
 #
 # Runs tests/bench/tables/TABLE.txt (all of them by default) through the benchmark and writes
-# OUT/TABLE.json and OUT/TABLE.svg. A table's first lines are "title|TEXT" and "x|WHAT X IS"; every
-# other one is X|SCENE|WIDTHxHEIGHT|CONFIG[|CONFIG..], run in one process beside the floor.
+# OUT/TABLE.json and OUT/TABLE.svg. A table's first lines are "title|TEXT", "x|WHAT X IS" and, if the
+# chart shall not show x_floor, "y|FIGURE OF A RESULT"; every other one is X|SCENE|WIDTHxHEIGHT|CONFIG[|CONFIG..], run in one process beside the floor.
 set -eu
 [ $# -ge 2 ] && [ -x "$1/tests/bench/bench" ] || {
     echo "usage: tests/bench/tables.sh BUILD OUT [TABLE..] [-- ARGUMENTS OF bench]" >&2
@@ -48,10 +48,11 @@ for name in $names; do
         exit 1
     }
     title=$(sed -n 's/^title|//p' "$list") x=$(sed -n 's/^x|//p' "$list")
+    y=$(sed -n 's/^y|//p' "$list")
     printf '{"table": "%s", "title": "%s", "x": "%s", "rows": [' "$name" "$title" "$x" \
         >"$work/table"
     comma=
-    grep -v -e '^#' -e '^title|' -e '^x|' -e '^$' "$list" >"$work/rows"
+    grep -v -e '^#' -e '^title|' -e '^x|' -e '^y|' -e '^$' "$list" >"$work/rows"
     while IFS='|' read -r value scene size configs; do
         echo "tables.sh: $name: $value: $scene $size" >&2
         run_row "$scene" "$size" "$configs" "$@" >"$work/row"
@@ -59,7 +60,7 @@ for name in $names; do
         comma=,
     done <"$work/rows"
     echo ']}' >>"$work/table"
-    "$build/tests/bench/chart" "$work/table" >"$work/chart"
+    "$build/tests/bench/chart" "$work/table" ${y:+"$y"} >"$work/chart"
     mv "$work/table" "$out/$name.json"
     mv "$work/chart" "$out/$name.svg"
     echo "$out/$name.json $out/$name.svg"
