@@ -11,12 +11,12 @@ layout(std430) buffer Counters { uint counters[]; }; // [digit][stream]
 STRATA_PARAMS { uint bit; } params;
 
 void main() {
-    uint stream = strata_item();
-    if (stream >= streams)
+    uint item = strata_item();
+    if (item >= streams)
         return;
     for (uint digit = 0u; digit < DIGITS; ++digit)
-        counters[digit * streams + stream] = 0u;
-    uint end = min((stream + 1u) * STREAM, elements);
-    for (uint i = stream * STREAM; i < end; ++i)
-        counters[digit_of(FROM_ELEMENTS[i], i, params.bit) * streams + stream] += 1u;
+        counters[digit * streams + item] = 0u;
+    uint end = min((item + 1u) * stream, elements);
+    for (uint i = item * stream; i < end; ++i)
+        counters[digit_of(FROM_ELEMENTS[i], i, params.bit) * streams + item] += 1u;
 }

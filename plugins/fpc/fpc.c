@@ -26,9 +26,9 @@ typedef struct table {
     uint32_t pixels, elements, chunks, joints;
     uint32_t streams, largest, inverse_nearest, farthest;
     uint32_t inverse_first, last, key_bits, rank_bits;
-    uint32_t order_bits, long_ties, appended, fits;
+    uint32_t order_bits, long_ties, appended, fits, stream;
 } table;
-_Static_assert(sizeof(table) == 144, "mirrors FPC_TABLE");
+_Static_assert(sizeof(table) == 148, "mirrors FPC_TABLE");
 
 enum { KNOB_THRESHOLD };
 
@@ -62,9 +62,10 @@ typedef struct source {
 } source;
 
 /* A processor with wide subgroups wants many short streams, one with few threads long ones, whose
- * digits are cheaper to add up. No power of two: streams side by side would share cache sets. */
+ * digits are cheaper to add up. */
 static const char *stream_of(const fpc *f) {
-    return f->gpu->fact(f->gpu->self, "limit.subgroup") >= 32 ? "STREAM=248" : "STREAM=2008";
+    return f->gpu->fact(f->gpu->self, "limit.subgroup") >= 32 ? "STREAM_LONGEST=248u"
+                                                              : "STREAM_LONGEST=2040u";
 }
 
 static strata_result create_program(const fpc *f, const source *s) {
@@ -383,7 +384,7 @@ static strata_result estimate(const strata_scene_stats *stats, const strata_sett
     (void)stats;
     (void)settings;
     cost->bytes_per_pixel = 17;
-    cost->bytes_per_fragment = 27;
+    cost->bytes_per_fragment = 28;
     cost->bytes_fixed = 4096;
     return STRATA_OK;
 }
@@ -410,7 +411,7 @@ static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),
     .order = STRATA_ORDER_EXACT,
     .determinism = STRATA_DETERMINISM_BOUNDED,
-    .memory = "16 pixels with fragments + 26 fragments + 0.45 fragments of pixels deeper than 64 "
+    .memory = "16 pixels with fragments + 25 to 28 fragments + 0.45 fragments of pixels deeper than 64 "
               "(+ 4 pixels with linked records)"};
 
 static const strata_cost_model cost = {

@@ -28,7 +28,10 @@ void set_table(uvec4 total) {
     elements = element_needed = total.y;
     chunks = total.z;
     joints = joint_needed = total.w;
-    streams = parts_of(elements, STREAM);
+    // As many streams as keep the device busy; 8 times an odd number, for at a power of two streams side
+    // by side would share cache sets.
+    stream = clamp(elements / 512u, 248u, STREAM_LONGEST) & ~15u | 8u;
+    streams = parts_of(elements, stream);
     counter_needed = streams > 0xffffffffu / DIGITS ? 0xffffffffu : streams * DIGITS;
     block_needed = parts_of(counter_needed, COUNTERS_PER_INVOCATION * STRATA_GROUP);
     bool fit = strata_needed <= strata_capacity && ranked_needed <= ranked_capacity &&

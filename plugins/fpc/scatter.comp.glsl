@@ -12,13 +12,13 @@ layout(std430) buffer Counters { uint counters[]; };
 STRATA_PARAMS { uint bit; } params;
 
 void main() {
-    uint stream = strata_item();
-    if (stream >= streams)
+    uint item = strata_item();
+    if (item >= streams)
         return;
-    uint end = min((stream + 1u) * STREAM, elements);
-    for (uint i = stream * STREAM; i < end; ++i) {
+    uint end = min((item + 1u) * stream, elements);
+    for (uint i = item * stream; i < end; ++i) {
         uvec2 element = FROM_ELEMENTS[i];
-        uint counter = digit_of(element, i, params.bit) * streams + stream;
+        uint counter = digit_of(element, i, params.bit) * streams + item;
         uint at = counters[counter];
         counters[counter] = at + 1u;
         TO_ELEMENTS[at] = element;

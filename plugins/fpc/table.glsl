@@ -36,4 +36,5 @@
         uint long_ties;        /* 1: more than TIE_LIMIT fragments of a pixel have one key */      \
         uint appended;         /* linked records only: elements so far */                          \
         uint fits;             /* 1: no pool is too small */                                       \
+        uint stream;           /* elements that one invocation counts and scatters in order */     \
     };

@@ -176,6 +176,8 @@ static void folds_are_those_of_the_tree(void **state) {
         {"scene:layers?count=20000&alpha=0.0001&where=pixel&width=16&height=16", 16},
         {"scene:layers?count=100000&alpha=0.00002&where=pixel&width=16&height=16", 16},
         {"scene:soup?small=3000&medium=150&alpha=0.05", 64},
+        {"scene:burst?mean=20&spread=0.6&width=32&height=32", 32},
+        {"scene:burst?mean=20&spread=0.95&width=32&height=32", 32},
     };
     static const char *const modes[] = {"abuffer.mode=contiguous", "abuffer.mode=linked"};
     (void)state;
