@@ -8,6 +8,7 @@
 #define STRATA_FRAGMENTS_GLSL
 
 #include "strata/frame.glsl"
+#include "strata/key.glsl"
 
 #ifndef STRATA_RANGES
 #define STRATA_RANGES readonly
@@ -16,8 +17,7 @@
 #define STRATA_RECORDS readonly
 #endif
 
-const uint STRATA_END = 0xffffffffu;    // no next record
-const uint STRATA_NO_KEY = 0xffffffffu; // beyond every key: keys end at 0x3f800000
+const uint STRATA_END = 0xffffffffu; // no next record
 
 layout(std430) STRATA_RANGES buffer StrataRanges { uvec2 strata_ranges[]; };
 #ifndef STRATA_KEYS
@@ -27,16 +27,5 @@ layout(std430) STRATA_RECORDS buffer StrataKeys { STRATA_KEYS strata_keys[]; };
 #if STRATA_LAYOUT == 1
 layout(std430) STRATA_RECORDS buffer StrataLinks { uvec2 strata_links[]; };
 #endif
-
-// Ascends from near to far; exact, since depth bits of non-negative floats order as integers.
-uint strata_key(float depth) {
-    uint bits = floatBitsToUint(clamp(depth, 0.0, 1.0)) & 0x7fffffffu; // -0 becomes +0
-    return 0x3f800000u - bits;
-}
-
-// At equal depth the later primitive lies in front.
-uint strata_order(uint primitive) { return 0xffffffffu - primitive; }
-
-bool strata_before(uvec2 a, uvec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
 
 #endif
