@@ -68,16 +68,26 @@ static json_t *known(const render_report *report, uint32_t what, uint64_t value)
     return report->known >> what & 1u ? json_integer((json_int_t)value) : json_null();
 }
 
-static json_t *fragments_json(const render_report *report) {
+/* A clip technique counts what it hides as well: that is the frame's total, and what of it was not
+ * kept was dropped. */
+static json_t *fragments_json(const render_report *given) {
+    render_report report = *given;
+    const uint32_t counted = 1u << STRATA_REPORT_FRAGMENTS_KEPT | RENDER_REPORT_BEFORE;
+    if (report.known & RENDER_REPORT_BEFORE) {
+        report.total = report.before;
+        report.known |= 1u << STRATA_REPORT_FRAGMENTS_TOTAL;
+    }
+    if ((report.known & counted) == counted)
+        report.dropped = report.before - report.kept;
     return json_pack("{s:o, s:o, s:o, s:o}", "total",
-                     known(report, STRATA_REPORT_FRAGMENTS_TOTAL, report->total), "max_per_pixel",
-                     known(report, STRATA_REPORT_MAX_PER_PIXEL, report->largest), "kept",
-                     known(report, STRATA_REPORT_FRAGMENTS_KEPT, report->kept), "dropped",
-                     known(report,
-                           report->known >> STRATA_REPORT_FRAGMENTS_DROPPED & 1u
+                     known(&report, STRATA_REPORT_FRAGMENTS_TOTAL, report.total), "max_per_pixel",
+                     known(&report, STRATA_REPORT_MAX_PER_PIXEL, report.largest), "kept",
+                     known(&report, STRATA_REPORT_FRAGMENTS_KEPT, report.kept), "dropped",
+                     known(&report,
+                           report.known >> STRATA_REPORT_FRAGMENTS_DROPPED & 1u
                                ? STRATA_REPORT_FRAGMENTS_DROPPED
                                : STRATA_REPORT_FRAGMENTS_KEPT, /* kept and none dropped */
-                           report->dropped));
+                           report.dropped));
 }
 
 /* Null: not asked for, or uncertified somewhere. */

@@ -59,9 +59,17 @@ static uint64_t frame_needed(void *self, strata_pool pool) {
 }
 
 static void frame_report(void *self, uint32_t what, uint64_t value) {
-    render_report *report = &((render_technique *)self)->session->report;
+    const render_technique *t = self;
+    render_report *report = &t->session->report;
     if (what < STRATA_REPORT_FRAGMENTS_TOTAL || what > STRATA_REPORT_MAX_PER_PIXEL)
         return;
+    if (strcmp(t->technique->stage, "clip") == 0) {
+        if (what == STRATA_REPORT_FRAGMENTS_TOTAL) {
+            report->known |= RENDER_REPORT_BEFORE;
+            report->before += value;
+        }
+        return;
+    }
     report->known |= 1u << what;
     if (what == STRATA_REPORT_FRAGMENTS_TOTAL)
         report->total += value;

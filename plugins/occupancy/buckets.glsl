@@ -39,17 +39,18 @@ uint far_edge(Division d, uint bucket) {
                                               : d.near + (value + 1u << d.shift) - 1u;
 }
 
-#ifndef OCCUPANCY_TILES
-#define OCCUPANCY_TILES readonly
-#endif
-layout(std430) OCCUPANCY_TILES buffer Tiles { uvec4 tiles[]; };
-
 uvec2 tile_count() { return (strata_frame_size.xy + TILE - 1u) / TILE; }
+
+#ifdef OCCUPANCY_DIVIDES // the one pass that writes them
+layout(std430) writeonly buffer Tiles { uvec4 tiles[]; };
+#else
+layout(std430) readonly buffer Tiles { uvec4 tiles[]; };
 
 Division division_at(uvec2 position) {
     uvec2 tile = position / TILE;
     uvec4 t = tiles[tile.y * tile_count().x + tile.x];
     return Division(t.x, t.y, t.z, t.w);
 }
+#endif
 
 #endif

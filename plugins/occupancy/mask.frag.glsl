@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // occupancy, pass 3: each fragment in front of the opaque surface sets its bucket's bit and is counted.
-// A bit once set stays, so reading before the atomic is safe. Blending is on: no opaque output may hide
-// storage writes.
+// Blending is on: no opaque output may hide storage writes.
 #include "strata/shading.glsl"
 #include "buckets.glsl"
 
@@ -17,7 +16,6 @@ void main() {
     uint bucket = bucket_of(division_at(position), strata_key(gl_FragCoord.z));
     uint word = strata_pixel(position) * OCCUPANCY_WORDS + (bucket >> 5);
     uint bit = 1u << (bucket & 31u);
-    if ((mask[word] & bit) == 0u)
-        atomicOr(mask[word], bit);
+    atomicOr(mask[word], bit);
     count = 1.0;
 }

@@ -11,6 +11,7 @@
  * k. Stands before any capture that keeps the nearest k; neither knows of the other.
  */
 #include "occupancy_glsl.h"
+#include "shared/counting.h"
 #include "strata/strata.h"
 
 #include <stdio.h>
@@ -23,7 +24,7 @@ typedef struct occupancy {
     uint32_t nearest, words, tiles_x, tiles_y;
     strata_draws draws;
     strata_image depth, range, count, limit;
-    strata_buffer tiles, mask, total;
+    strata_buffer tiles, mask, totals;
     strata_program range_program, tiles_program, mask_program, limit_program, sums_program;
 } occupancy;
 
@@ -96,7 +97,7 @@ static strata_result create_storage(occupancy *o, const strata_view *view) {
     if (r == STRATA_OK)
         r = buffer(o, "mask", pixels * o->words * 4, &o->mask);
     if (r == STRATA_OK)
-        r = buffer(o, "total", 8, &o->total);
+        r = buffer(o, "totals", sizeof(counting_totals), &o->totals);
     return r;
 }
 
@@ -201,14 +202,14 @@ static void record_limit(const occupancy *o, const strata_frame *frame) {
 static void record_sums(const occupancy *o, const strata_frame *frame) {
     const strata_bind binds[] = {
         {.struct_size = sizeof(strata_bind), .name = "count_image", .image = o->count},
-        {.struct_size = sizeof(strata_bind), .name = "Total", .buffer = o->total}};
+        {.struct_size = sizeof(strata_bind), .name = "Totals", .buffer = o->totals}};
     strata_pass sums = {.struct_size = sizeof sums,
                         .label = "sums",
                         .program = o->sums_program,
                         .binds = binds,
                         .bind_count = 2};
-    strata_groups(((uint64_t)frame->band_width * frame->band_height + 7) / 8, sums.groups);
-    frame->fill(frame->self, o->total, 0, 0, 0);
+    strata_groups(((uint64_t)frame->band_width * frame->band_height + 3) / 4, sums.groups);
+    frame->fill(frame->self, o->totals, 0, 0, 0);
     frame->pass(frame->self, &sums);
 }
 
@@ -226,13 +227,13 @@ static void record(void *state, const strata_frame *frame) {
 /* What it hides no other technique sees: the frame's total is counted here. */
 static strata_result verify(void *state, const strata_frame *frame) {
     const occupancy *o = state;
-    uint32_t total[2] = {0, 0};
+    counting_totals totals = {0};
     if (o->nearest == 0)
         return STRATA_OK;
-    strata_result r = frame->read(frame->self, o->total, 0, sizeof total, total);
+    strata_result r = frame->read(frame->self, o->totals, 0, sizeof totals, &totals);
     if (r == STRATA_OK)
         frame->report(frame->self, STRATA_REPORT_FRAGMENTS_TOTAL,
-                      (uint64_t)total[1] << 32 | total[0]);
+                      (uint64_t)totals.arrived[1] << 32 | totals.arrived[0]);
     return r;
 }
 

@@ -2,7 +2,7 @@
 //
 // occupancy, pass 2, one invocation a tile: how the tile divides its keys. From the samples of the tile
 // and its neighbours, and not beyond the farthest opaque surface of its pixels.
-#define OCCUPANCY_TILES writeonly
+#define OCCUPANCY_DIVIDES
 #include "strata/frame.glsl"
 #include "strata/scan.glsl"
 #include "buckets.glsl"
