@@ -111,7 +111,7 @@ static strata_result choose_filter(plan_work *w) {
 }
 
 /* ---- optional techniques: only if named, and only if someone uses what they make --------------
- */
+ * A clip technique may have been chosen, or left out, before (clip.c). */
 
 static int optional(const plan_candidate *c) {
     return c->role == PLAN_DRAWS || c->role == PLAN_CLIP || c->role == PLAN_CERTIFICATE;
@@ -151,7 +151,7 @@ static strata_result choose_optional(plan_work *w) {
     }
     for (uint32_t i = 0; i < w->count && result == STRATA_OK; i++) {
         plan_candidate *c = &w->candidates[i];
-        if (!optional(c) || c->chosen || c->blocked)
+        if (!optional(c) || c->chosen || c->blocked || (c->reason[0] && !c->named))
             continue;
         plan_reason(c,
                     c->named ? "nothing in this frame uses what it makes" : "not named in --use");
@@ -234,6 +234,8 @@ strata_result plan_choose(plan_work *w) {
         result = plan_choose_fold(w);
     if (result == STRATA_OK)
         result = choose_filter(w);
+    if (result == STRATA_OK)
+        result = plan_choose_clip(w);
     if (result == STRATA_OK)
         result = choose_optional(w);
     if (result == STRATA_OK)

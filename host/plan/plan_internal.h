@@ -5,7 +5,7 @@
  *     names.c     lists of ids, suggestions       settings.c  ID.KNOB=VALUE
  *     effects.c   which effects are active        order.c     slots -> order
  *     assess.c    what each technique could do    choose.c    which of them run
- *     fold.c      the one that folds
+ *     fold.c      the one that folds           clip.c      what limits it
  *     payload.c   layout of a record              json.c      the plan as JSON
  */
 #ifndef STRATA_HOST_PLAN_INTERNAL_H
@@ -92,6 +92,9 @@ strata_result plan_choose(plan_work *w);
 
 /* ---- fold.c */
 strata_result plan_choose_fold(plan_work *w);
+
+/* ---- clip.c */
+strata_result plan_choose_clip(plan_work *w); /* after the fold, before other optional ones */
 
 /* ---- order.c */
 /* order: indices of the chosen candidates as they run. INVALID_ARGUMENT names a cycle. */

@@ -6,6 +6,7 @@
  *   range -> tiles   how a tile of pixels divides its depths into S buckets
  *   mask             one bit for each bucket that holds a fragment
  *   limit            the far edge of the bucket with the k-th bit becomes limit/1
+ *   sums, lost       what that hides: its number, and where a certificate is asked for its light
  *
  * Fills limit/1. Whatever is drawn against it by early depth test loses no fragment of the nearest
  * k. Stands before any capture that keeps the nearest k; neither knows of the other.
@@ -21,11 +22,12 @@ enum { TILE = 8, MAX_BUCKETS = 1024 }; /* TILE: as in buckets.glsl */
 
 typedef struct occupancy {
     const strata_gpu *gpu;
-    uint32_t nearest, words, tiles_x, tiles_y;
+    uint32_t nearest, certify, words, tiles_x, tiles_y;
     strata_draws draws;
     strata_image depth, range, count, limit;
     strata_buffer tiles, mask, totals;
-    strata_program range_program, tiles_program, mask_program, limit_program, sums_program;
+    strata_program range_program, tiles_program, mask_program, limit_program, sums_program,
+        lost_program; /* lost_program: where a certificate is asked for */
 } occupancy;
 
 static strata_result program(const occupancy *o, uint32_t kind, const char *label,
@@ -112,6 +114,8 @@ static strata_result create_programs(occupancy *o) {
         r = program(o, STRATA_PROGRAM_FULLSCREEN, "limit", &limit_frag_glsl, &o->limit_program);
     if (r == STRATA_OK)
         r = program(o, STRATA_PROGRAM_COMPUTE, "sums", &sums_comp_glsl, &o->sums_program);
+    if (r == STRATA_OK && o->certify)
+        r = program(o, STRATA_PROGRAM_SCENE, "lost", &lost_frag_glsl, &o->lost_program);
     return r;
 }
 
@@ -119,6 +123,7 @@ static strata_result create_programs(occupancy *o) {
 static strata_result prepare(void *state, const strata_view *view) {
     occupancy *o = state;
     o->nearest = view->nearest;
+    o->certify = view->certify;
     if (o->nearest == 0)
         return STRATA_OK;
     o->words = mask_words(view->settings, o->nearest, view->stats->mean_depth);
@@ -213,6 +218,22 @@ static void record_sums(const occupancy *o, const strata_frame *frame) {
     frame->pass(frame->self, &sums);
 }
 
+static void record_lost(const occupancy *o, const strata_frame *frame) {
+    const strata_bind limit = {
+        .struct_size = sizeof limit, .name = "limit_image", .image = o->limit};
+    frame->pass(
+        frame->self,
+        &(strata_pass){.struct_size = sizeof(strata_pass),
+                       .label = "lost",
+                       .program = o->lost_program,
+                       .draws = o->draws,
+                       .binds = &limit,
+                       .bind_count = 1,
+                       .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment),
+                                                     .image = o->depth},
+                       .depth_test = STRATA_TEST_GREATER_EQUAL});
+}
+
 static void record(void *state, const strata_frame *frame) {
     const occupancy *o = state;
     if (o->nearest == 0)
@@ -222,6 +243,8 @@ static void record(void *state, const strata_frame *frame) {
     record_mask(o, frame);
     record_limit(o, frame);
     record_sums(o, frame);
+    if (o->certify)
+        record_lost(o, frame);
 }
 
 /* What it hides no other technique sees: the frame's total is counted here. */

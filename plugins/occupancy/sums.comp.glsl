@@ -13,5 +13,5 @@ void main() {
         sum += uint(texelFetch(count_image, ivec2(strata_position(i)), 0).r);
     strata_scan(sum, group);
     if (gl_LocalInvocationID.x == 0u)
-        strata_totals_add(0u, group, 0u);
+        strata_totals_add(group, 0u);
 }

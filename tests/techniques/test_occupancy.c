@@ -68,10 +68,10 @@ static void *room(size_t count, size_t size) {
     return memory;
 }
 
-static uint32_t *read_keys(gpu *g, strata_image image, size_t pixels) {
+static uint32_t *read_keys(gpu *g, strata_image from, size_t pixels) {
     base_error err = {0};
     uint32_t *keys = room(pixels, sizeof *keys);
-    if (gpu_image_read(g, image, 0, keys, pixels * sizeof *keys, &err) != STRATA_OK)
+    if (gpu_image_read(g, from, 0, keys, pixels * sizeof *keys, &err) != STRATA_OK)
         fail_msg("%s", err.text);
     for (size_t i = 0; i < pixels; ++i)
         keys[i] = 0x3f800000u - keys[i];

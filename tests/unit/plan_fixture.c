@@ -66,6 +66,12 @@ static const strata_knob nearest = {
     .maximum = 64,
     .preset = 8,
 };
+static const strata_knob buckets = {
+    .struct_size = sizeof buckets,
+    .type = STRATA_KNOB_INT,
+    .name = "buckets",
+    .maximum = 1024,
+};
 static const strata_knob threshold = {
     .struct_size = sizeof threshold,
     .type = STRATA_KNOB_FLOAT,
@@ -119,6 +125,8 @@ static const modules_technique_note techniques[] = {
      .stage = "clip",
      SLOTS(SLOT(PRODUCES, "limit/1", 0, 0), SLOT(CONSUMES, "draws.transparent/1", 0, 0),
            SLOT(CONSUMES, "depth/1", 0, 0)),
+     KNOBS(&buckets),
+     PROMISE(NEAREST, BIT, 0),
      COST(1)},
     {.id = "range", .stage = "clip", SLOTS(SLOT(PRODUCES, "limit/1", 0, 0)), COST(1)},
     {.id = "abuffer",
@@ -144,6 +152,12 @@ static const modules_technique_note techniques[] = {
      KNOBS(&nearest),
      PROMISE(NEAREST, BIT, 0),
      COST(1)},
+    {.id = "slowk", /* the same, and dear */
+     .stage = "capture",
+     SLOTS(TRANSPARENT, SLOT(PRODUCES, "fragments/1", CONTIGUOUS, 0)),
+     KNOBS(&nearest),
+     PROMISE(NEAREST, BIT, 0),
+     COST(5)},
     {.id = "ppc", .stage = "resolve", FOLDS(CONTIGUOUS), PROMISE(EXACT, BIT, 0), COST(1)},
     {.id = "fpc", .stage = "resolve", FOLDS(BOTH), PROMISE(EXACT, BOUNDED, 0), COST(4)},
     {.id = "walker", .stage = "resolve", FOLDS(LINKED), PROMISE(EXACT, BIT, 0), COST(2)},
@@ -363,6 +377,12 @@ void kit_scene(const char *letters, demand *d, strata_scene_stats *stats) {
         stats->covered_pixels = 100;
         stats->mean_depth = 10;
         stats->largest_depth = strchr(letters, 'd') ? 300 : 10;
+        if (strchr(letters, 'h')) {
+            stats->covered_pixels = 10;
+            stats->mean_depth = 100;
+        }
+        stats->materials = 4;
+        stats->lights = strchr(letters, 'l') ? 4 : 0;
     }
 }
 

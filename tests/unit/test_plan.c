@@ -67,6 +67,20 @@ static void techniques_run_in_order(void **state) {
         {{FOR("peel fpc abuffer over", "b"), .settings = {"peel.layers=5"}, .tolerance = 0.1},
          "peel"},
         {{FOR("peel abuffer ppc media", "e"), .settings = {"peel.mode=dual"}}, "abuffer ppc"},
+        /* what a clip technique hides decides */
+        {{FOR("occupancy slowk ppc over", "bh"), .tolerance = 0.01}, "occupancy slowk ppc"},
+        {{FOR("occupancy slowk ppc over", "b"), .tolerance = 0.01}, "slowk ppc"},  /* not deep */
+        {{FOR("occupancy kplus ppc over", "bh"), .tolerance = 0.01}, "kplus ppc"}, /* cheap */
+        {{FOR("occupancy slowk ppc over", "bh"), .tolerance = 0.01, .settings = {"slowk.k=0"}},
+         "slowk ppc"},
+        {{FOR("occupancy slowk ppc over", "bh"), .tolerance = 0.01, .settings = {"slowk.k=64"}},
+         "slowk ppc"},
+        {{FOR("occupancy slowk ppc over", "bh"), .tolerance = 0.01,
+          .settings = {"occupancy.buckets=8"}}, /* too coarse to hide anything */
+         "slowk ppc"},
+        {{FOR("occupancy slowk ppc over", "bh"), .use = "slowk"}, "slowk ppc"},
+        {{FOR("occupancy slowk ppc over", "bh"), .use = "slowk,occupancy"}, "occupancy slowk ppc"},
+        {{FOR("occupancy kplus ppc over", "b"), .use = "kplus,occupancy"}, "occupancy kplus ppc"},
         /* layouts decide */
         {{FOR("chain abuffer ppc over", "b")}, "abuffer ppc"}, /* ppc cannot read chain's */
         {{FOR("chain abuffer walker over", "b")}, "chain walker"},
@@ -174,6 +188,24 @@ static void everything_has_its_reason(void **state) {
          "pass",
          "it holds 100 fragments a pixel, and about 300 are expected"},
         {{FOR(ALL, "ob")}, "hiz", "not named in --use"},
+        {{FOR(ALL, "ob")},
+         "occupancy",
+         "it hides what lies behind the nearest k fragments, and stencil keeps all"},
+        {{FOR("occupancy slowk ppc over", "bh"), .tolerance = 0.01},
+         "occupancy",
+         "hides about 90 % of the fragments from slowk: that saves 2.2 x floor and costs 1"},
+        {{FOR("occupancy slowk ppc over", "b"), .tolerance = 0.01},
+         "occupancy",
+         "it would hide about 7 % of the fragments from slowk, which saves 0.17 x floor and costs "
+         "1"},
+        {{FOR("occupancy kplus ppc over", "bhl"), .use = "kplus"},
+         "occupancy",
+         "not named in --use; it would hide about 90 % of the fragments from kplus, which saves "
+         "3.3 x floor and costs 1"},
+        {{FOR("occupancy slowk ppc over", "bh"), .use = "slowk,occupancy"},
+         "occupancy",
+         "named in --use"},
+        {{FOR("range slowk ppc over", "bh"), .tolerance = 0.01}, "range", "not named in --use"},
         {{FOR(ALL, "ob")}, "filter", "a pixel has one sample"},
         {{FOR(ALL, "ob"), .samples = 9}, "filter", "9 samples a pixel"},
         {{FOR("surface fuser filter over", "ob"), .samples = 9},

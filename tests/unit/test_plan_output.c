@@ -136,13 +136,13 @@ static void streams_capture_nothing(void **state) {
     (void)state;
     kit k;
     demand d;
-    plan *p = get(&(request){FOR(ALL, "b"), .use = "peel,occupancy"}, &k, &d);
+    plan *p = get(&(request){FOR("peel range over", "b"), .use = "peel,range"}, &k, &d);
     assert_int_equal(p->transparent, 1);
     assert_int_equal(p->captures, 0);
     assert_int_equal(p->bytes_per_fragment, 0);
     assert_int_equal(p->payload.plane_count, 2); /* it may keep records of its own */
     assert_true(plan_find(p, "peel")->cost == 5000.0);
-    assert_true(plan_find(p, "occupancy")->cost == 1000.0);
+    assert_true(plan_find(p, "range")->cost == 1000.0);
     assert_true(plan_floors(p, 1500.0) == 1.5);
     plan_free(p);
     /* 40 + 3 x 40 triangles + 10 layers x (4 + 0.25 x 1,000 fragments + 2 x 40 triangles) */
