@@ -19,18 +19,23 @@ layout(std430) readonly buffer Cells { uvec2 cells[]; };
 uint count_of(uint pixel) { return cells[pixel].y & CELL_COUNT; }
 #endif
 
+#define PIXELS_PER_INVOCATION 16u
+
 void main() {
-    uint pixel = strata_item(), arrived = 0u, kept = 0u;
-    if (pixel < strata_pixel_count()) {
-        arrived = strata_count_at(pixel);
+    uint arrived = 0u, kept = 0u, largest = 0u, lane = gl_LocalInvocationID.x;
+    uint first = (strata_item() - lane) * PIXELS_PER_INVOCATION + lane;
+    for (uint i = 0u; i < PIXELS_PER_INVOCATION; ++i) {
+        uint pixel = first + i * STRATA_GROUP;
+        if (pixel >= strata_pixel_count())
+            break;
+        uint here = strata_count_at(pixel), count = 0u;
         if (strata_needed <= strata_capacity)
-            kept = count_of(pixel);
-        strata_ranges[pixel] = uvec2(slots_of(pixel).x, kept);
+            count = count_of(pixel);
+        strata_ranges[pixel] = uvec2(slots_of(pixel).x, count);
+        arrived += here;
+        kept += count;
+        largest = max(largest, here);
     }
-    uint total_a, total_k;
-    strata_scan(arrived, total_a);
-    strata_scan(kept, total_k);
-    strata_totals_largest(arrived);
-    if (gl_LocalInvocationID.x == 0u)
-        strata_totals_add(total_a, total_k);
+    strata_totals_largest(largest);
+    strata_totals_add(arrived, kept);
 }

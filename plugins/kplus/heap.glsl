@@ -1,26 +1,40 @@
 // SPDX-License-Identifier: MIT
 //
 // kplus, max-heap: nodes (key, place) with the farthest at the root. Records stay where they were put, so
-// that a step moves 8 bytes whatever the payload. Orders are looked up between equal keys only.
+// that a step moves 8 bytes whatever the payload.
 layout(std430) EXCLUDED buffer Nodes { STRATA_PAIR nodes[]; };
 
 uvec2 node_at(uint at) { return STRATA_FROM_PAIR(nodes[at]); }
 void put_node(uint at, uvec2 node) { nodes[at] = STRATA_TO_PAIR(node); }
 
-bool farther(uvec2 slots, uvec2 a, uvec2 b) {
-    if (a.x != b.x)
-        return a.x > b.x;
-    return key_at(slots.x + a.y).y > key_at(slots.x + b.y).y;
+// The place of the farthest record. The heap compares keys alone; where the root's children have its key,
+// the last in order of all that have it is looked for, and given to the root.
+uint farthest_place(uvec2 slots, uvec2 cell) {
+    uvec2 root = node_at(slots.x);
+    if ((slots.y > 1u && node_at(slots.x + 1u).x == root.x) ||
+        (slots.y > 2u && node_at(slots.x + 2u).x == root.x)) {
+        uint last = key_at(slots.x + root.y).y, at = 0u, place = root.y;
+        for (uint i = 1u; i < slots.y; ++i) {
+            uvec2 node = node_at(slots.x + i);
+            if (node.x == root.x && key_at(slots.x + node.y).y > last) {
+                last = key_at(slots.x + node.y).y;
+                place = node.y;
+                at = i;
+            }
+        }
+        put_node(slots.x + at, root);
+        root.y = place;
+        put_node(slots.x, root);
+    }
+    return root.y;
 }
-
-uint farthest_place(uvec2 slots, uvec2 cell) { return node_at(slots.x).y; }
 
 // One more node: up from the end. The key of the root.
 uint sift_up(uvec2 slots, uint count, uvec2 node) {
     uint at = count - 1u;
     while (at > 0u) {
         uvec2 parent = node_at(slots.x + (at - 1u) / 2u);
-        if (!farther(slots, node, parent))
+        if (node.x <= parent.x)
             break;
         put_node(slots.x + at, parent);
         at = (at - 1u) / 2u;
@@ -36,12 +50,12 @@ uint sift_down(uvec2 slots, uvec2 node) {
         uvec2 larger = node_at(slots.x + child);
         if (child + 1u < slots.y) {
             uvec2 right = node_at(slots.x + child + 1u);
-            if (farther(slots, right, larger)) {
+            if (right.x > larger.x) {
                 larger = right;
                 ++child;
             }
         }
-        if (!farther(slots, larger, node))
+        if (larger.x <= node.x)
             break;
         root = at == 0u ? larger.x : root;
         put_node(slots.x + at, larger);

@@ -14,7 +14,8 @@
 
 #include <string.h>
 
-enum { K_MOST = 16384, ARRAY_MOST = 16 }; /* CELL_PLACE holds the former; a heap wins above */
+enum { FINISH_PIXELS = 16 };
+enum { K_MOST = 16384, ARRAY_MOST = 32 }; /* CELL_PLACE holds the former; a heap wins above */
 
 enum { KNOB_K, KNOB_STRUCTURE, KNOB_EXCLUSION, KNOB_MEMORY, KNOB_PAYLOAD, KNOB_TRIES };
 enum { STRUCTURE_AUTO, STRUCTURE_ARRAY, STRUCTURE_HEAP };
@@ -30,7 +31,7 @@ typedef struct kplus {
     } params;
     path path, other; /* other: of attempts after the lock failed */
     uint32_t exact, heap;
-    uint32_t ordered; /* 1: the device orders accesses of a pixel without any help */
+    uint32_t ordered;           /* 1: the device orders accesses of a pixel without any help */
     uint32_t lock_failed, tied; /* 1: learned in verify() */
     counting counting;
     strata_buffer ranges, cells, events; /* events: failures of the lock, or ties */
@@ -305,7 +306,9 @@ static void finish(const kplus *s, const strata_frame *frame, strata_program pro
     if (cells.id)
         add_buffer(&b, "Cells", cells);
     frame->fill(frame->self, s->counting.totals, 0, 0, 0);
-    compute(s, frame, "finish", program, &b, (uint64_t)frame->band_width * frame->band_height, 1);
+    compute(s, frame, "finish", program, &b,
+            ((uint64_t)frame->band_width * frame->band_height + FINISH_PIXELS - 1) / FINISH_PIXELS,
+            1);
 }
 
 static void record_insertion(const kplus *s, const strata_frame *frame) {

@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * kplus keeps the nearest k: at every pixel, on every path and both backends, the image is the fold
+ * of the first k samples of the deep image, bit for bit, whatever the order of submission; what it
+ * drops is counted; its pool may be exactly full or short by one.
+ */
+#define _GNU_SOURCE
+
+#include "techniques/picture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "render/render.h"
+
+static const char *const backends[] = {"vulkan", "gl"};
+
+/* Every path: how fragments are kept apart, the structure, the memory. */
+typedef struct variant {
+    const char *settings[4];
+    const char *fact; /* that it needs of the device */
+    uint32_t cheap;   /* 1: also where a pixel has very many layers */
+} variant;
+
+static const variant variants[] = {
+    {{"kplus.exclusion=auto"}, NULL, 1},
+    {{"kplus.exclusion=unlocked", "kplus.structure=array"}, "selftest.ordered_rmw", 1},
+    {{"kplus.exclusion=unlocked", "kplus.structure=heap"}, "selftest.ordered_rmw", 1},
+    {{"kplus.exclusion=unlocked", "kplus.structure=heap", "kplus.memory=exact"},
+     "selftest.ordered_rmw",
+     1},
+    {{"kplus.exclusion=lock", "kplus.structure=array"}, NULL, 1},
+    {{"kplus.exclusion=lock", "kplus.structure=heap", "kplus.memory=exact"}, NULL, 1},
+    {{"kplus.exclusion=lock", "kplus.tries=0"}, NULL, 0},
+    {{"kplus.exclusion=atomic32"}, NULL, 1},
+    {{"kplus.exclusion=atomic32", "kplus.memory=exact"}, NULL, 0},
+    {{"kplus.exclusion=atomic64"}, "feature.int64_atomics", 1},
+    {{"kplus.exclusion=atomic64", "kplus.memory=exact"}, "feature.int64_atomics", 0},
+};
+
+/* Transparent surfaces alone, so that samples fold onto the background. */
+typedef struct kept_case {
+    const char *path;
+    uint32_t width, height;
+    uint32_t ks[8]; /* up to the first 0 */
+    uint32_t shuffles[4];
+} kept_case;
+
+static const kept_case cases[] = {
+    {"scene:soup?small=1500&medium=80", 48, 48, {1, 2, 7, 16, 17, 40}, {0, 11}},
+    {"scene:layers?count=17", 16, 16, {15, 16, 17, 18}, {0, 5}},
+    {"scene:layers?count=9", 16, 16, {8, 9, 10}, {0}},
+    {"scene:stack?count=40", 24, 24, {1, 3, 17, 39, 40, 41}, {0, 2, 3}},
+    {"scene:stack?count=100&split=1", 24, 24, {16, 33}, {4, 5}},
+};
+
+/* ---- what is expected ------------------------------------------------------------------------ */
+
+/* A deep image of a scene, its own copy. */
+typedef struct deep_copy {
+    size_t pixels;
+    uint32_t *count;
+    uint64_t *offset;
+    float *color;
+} deep_copy;
+
+static deep_copy deep_of(const char *backend, strata *instance, strata_scene *sc, uint32_t width,
+                         uint32_t height) {
+    const strata_render_options options = {.struct_size = sizeof options,
+                                           .width = width,
+                                           .height = height,
+                                           .use = "abuffer,ppc",
+                                           .outputs = STRATA_OUTPUT_DEEP};
+    if (strata_render(instance, sc, &options) != STRATA_OK)
+        fail_msg("%s: %s", backend, strata_error(instance));
+    const image_deep *deep = &instance->result.deep;
+    deep_copy d = {.pixels = (size_t)width * height};
+    d.count = malloc(d.pixels * sizeof *d.count);
+    d.offset = malloc(d.pixels * sizeof *d.offset);
+    d.color = malloc((deep->sample_count + 1) * 4 * sizeof *d.color);
+    assert_true(d.count && d.offset && d.color);
+    memcpy(d.count, deep->count, d.pixels * sizeof *d.count);
+    memcpy(d.offset, deep->offset, d.pixels * sizeof *d.offset);
+    memcpy(d.color, deep->color, deep->sample_count * 4 * sizeof *d.color);
+    return d;
+}
+
+static void deep_free(deep_copy *d) {
+    free(d->count);
+    free(d->offset);
+    free(d->color);
+}
+
+static void fold_nearest(const deep_copy *d, size_t pixel, uint32_t k, float out[4]) {
+    float color[4] = {0, 0, 0, 0}, through = 1;
+    for (uint32_t i = 0; i < d->count[pixel] && (k == 0 || i < k); ++i) {
+        const float *sample = d->color + 4 * (d->offset[pixel] + i);
+        for (int c = 0; c < 4; ++c)
+            color[c] = color[c] + through * sample[c];
+        through = through * (1.0f - sample[3]);
+    }
+    for (int c = 0; c < 4; ++c)
+        out[c] = color[c] + through * (c < 3 ? 0.2f : 1.0f);
+}
+
+static void check_report(const strata *instance, const deep_copy *d, uint32_t k, const char *what) {
+    const render_report *report = &instance->result.report;
+    uint64_t total = 0, kept = 0;
+    for (size_t i = 0; i < d->pixels; ++i) {
+        total += d->count[i];
+        kept += k && d->count[i] > k ? k : d->count[i];
+    }
+    if (report->total != total || report->kept != kept || report->dropped != total - kept)
+        fail_msg("%s: reported %llu, %llu kept, %llu dropped; there are %llu, %llu to keep", what,
+                 (unsigned long long)report->total, (unsigned long long)report->kept,
+                 (unsigned long long)report->dropped, (unsigned long long)total,
+                 (unsigned long long)kept);
+}
+
+/* ---- renders --------------------------------------------------------------------------------- */
+
+static strata_render_options with(const variant *v, const char *settings[8], char number[32],
+                                  uint32_t k) {
+    strata_render_options options = {.struct_size = sizeof options, .use = "kplus,ppc"};
+    snprintf(number, 32, "kplus.k=%u", k);
+    settings[options.setting_count++] = number;
+    for (size_t i = 0; i < 4 && v->settings[i]; ++i)
+        settings[options.setting_count++] = v->settings[i];
+    options.settings = settings;
+    return options;
+}
+
+/* One render against the fold of the nearest k. */
+static void check_kept(strata *instance, strata_scene *sc, const deep_copy *d, const variant *v,
+                       uint32_t k, uint32_t shuffle, uint32_t width, uint32_t height,
+                       const char *name) {
+    const char *settings[8];
+    char number[32], what[256];
+    strata_render_options options = with(v, settings, number, k);
+    options.width = width;
+    options.height = height;
+    options.shuffle = shuffle;
+    snprintf(what, sizeof what, "%s, k %u, %s %s %s, shuffle %u", name, k, v->settings[0],
+             v->settings[1] ? v->settings[1] : "",
+             v->settings[1] && v->settings[2] ? v->settings[2] : "", shuffle);
+    if (strata_render(instance, sc, &options) != STRATA_OK)
+        fail_msg("%s: %s", what, strata_error(instance));
+    for (size_t i = 0; i < d->pixels; ++i) {
+        float expected[4];
+        fold_nearest(d, i, k, expected);
+        if (memcmp(expected, instance->result.color.pixels + 4 * i, sizeof expected) != 0)
+            fail_msg("%s: pixel %zu of %u samples is not the fold of its nearest", what, i,
+                     d->count[i]);
+    }
+    check_report(instance, d, k, what);
+}
+
+static int runs(const strata *instance, const variant *v) {
+    return !v->fact || picture_fact(instance, v->fact);
+}
+
+static void check_case(const kept_case *c, const char *backend) {
+    strata *instance = picture_instance(backend);
+    char name[160];
+    if (!instance)
+        return;
+    snprintf(name, sizeof name, "%s on %s", c->path, backend);
+    strata_scene *sc = picture_scene(instance, c->path);
+    deep_copy d = deep_of(backend, instance, sc, c->width, c->height);
+    for (size_t v = 0; v < BASE_COUNT(variants); ++v)
+        for (size_t k = 0; k < 8 && c->ks[k] && runs(instance, &variants[v]); ++k)
+            for (size_t s = 0; s < 4 && (s == 0 || c->shuffles[s]); ++s)
+                check_kept(instance, sc, &d, &variants[v], c->ks[k], c->shuffles[s], c->width,
+                           c->height, name);
+    deep_free(&d);
+    strata_scene_close(sc);
+}
+
+static void the_nearest_are_kept(void **state) {
+    (void)state;
+    for (size_t i = 0; i < BASE_COUNT(cases); ++i)
+        for (size_t b = 0; b < 2; ++b)
+            check_case(&cases[i], backends[b]);
+}
+
+static void long_pixels_keep_the_nearest(void **state) {
+    static const char path[] = "scene:layers?count=20000&where=pixel&width=16&height=16";
+    static const uint32_t ks[] = {8, 100};
+    (void)state;
+    for (size_t b = 0; b < 2; ++b) {
+        strata *instance = picture_instance(backends[b]);
+        if (!instance)
+            continue;
+        strata_scene *sc = picture_scene(instance, path);
+        deep_copy d = deep_of(backends[b], instance, sc, 16, 16);
+        for (size_t v = 0; v < BASE_COUNT(variants); ++v)
+            for (size_t k = 0; k < 2 && runs(instance, &variants[v]); ++k)
+                if (variants[v].cheap)
+                    check_kept(instance, sc, &d, &variants[v], ks[k], 3, 16, 16, path);
+        check_kept(instance, sc, &d, &(variant){{"kplus.memory=exact"}, NULL, 1}, 16384, 0, 16, 16,
+                   path);
+        check_kept(instance, sc, &d, &(variant){{"kplus.memory=exact"}, NULL, 1}, 0, 0, 16, 16,
+                   path);
+        deep_free(&d);
+        strata_scene_close(sc);
+    }
+}
+
+/* ---- a lock that is given up, ties that are seen --------------------------------------------- */
+
+static uint32_t retries(strata *instance, strata_scene *sc, const char *exclusion,
+                        const char *tries) {
+    const char *const settings[] = {"kplus.k=4", exclusion, tries};
+    const strata_render_options options = {.struct_size = sizeof options,
+                                           .width = 24,
+                                           .height = 24,
+                                           .use = "kplus,ppc",
+                                           .settings = settings,
+                                           .setting_count = 3};
+    if (strata_render(instance, sc, &options) != STRATA_OK)
+        fail_msg("%s %s: %s", exclusion, tries, strata_error(instance));
+    const uint32_t first = instance->result.retries;
+    assert_int_equal(strata_render(instance, sc, &options), STRATA_OK);
+    assert_int_equal(instance->result.retries, 0); /* it was learned */
+    return first;
+}
+
+/* What ppc learns of a scene costs retries too: those of a path that never repeats are the least.
+ */
+static void what_is_learned_is_recorded_again(void **state) {
+    (void)state;
+    for (size_t b = 0; b < 2; ++b) {
+        strata *instance = picture_instance(backends[b]);
+        if (!instance)
+            continue;
+        strata_scene *sc = picture_scene(instance, "scene:layers?count=12");
+        const uint32_t plain = retries(instance, sc, "kplus.exclusion=lock", "kplus.tries=4096");
+        assert_int_equal(retries(instance, sc, "kplus.exclusion=lock", "kplus.tries=0"), plain + 1);
+        assert_int_equal(retries(instance, sc, "kplus.exclusion=atomic32", "kplus.tries=1"), plain);
+        strata_scene_close(sc);
+    }
+}
+
+/* ---- the pool -------------------------------------------------------------------------------- */
+
+static strata_pool pool_of(const strata *instance) {
+    for (uint32_t i = 0; i < instance->session->technique_count; ++i)
+        if (strcmp(instance->session->techniques[i].planned->technique->id, "kplus") == 0)
+            return instance->session->techniques[i].pools[0];
+    fail_msg("kplus does not run");
+    return (strata_pool){0};
+}
+
+/* Exactly full is enough; one record less is found out. */
+static void spoil_pool(strata *instance, strata_scene *sc, const deep_copy *d, const variant *v,
+                       uint32_t k, const char *name) {
+    check_kept(instance, sc, d, v, k, 0, 24, 24, name);
+    for (uint64_t less = 0; less < 2; ++less) {
+        base_error err = {0};
+        uint64_t needed = 0;
+        const strata_pool pool = pool_of(instance);
+        assert_int_equal(gpu_pool_needed(instance->gpu, pool, &needed, &err), STRATA_OK);
+        assert_int_equal(gpu_pool_grow(instance->gpu, pool, needed - less, &err), STRATA_OK);
+        check_kept(instance, sc, d, v, k, 0, 24, 24, name);
+        assert_int_equal(instance->result.retries, less);
+    }
+}
+
+static void the_pool_is_full_or_short_by_one(void **state) {
+    (void)state;
+    for (size_t b = 0; b < 2; ++b) {
+        strata *instance = picture_instance(backends[b]);
+        if (!instance)
+            continue;
+        strata_scene *sc = picture_scene(instance, cases[0].path);
+        deep_copy d = deep_of(backends[b], instance, sc, 24, 24);
+        for (size_t v = 0; v < BASE_COUNT(variants); ++v)
+            if (runs(instance, &variants[v]))
+                spoil_pool(instance, sc, &d, &variants[v], 6, backends[b]);
+        deep_free(&d);
+        strata_scene_close(sc);
+    }
+}
+
+/* ---- what a device cannot do is refused ------------------------------------------------------ */
+
+static void what_a_device_lacks_is_refused(void **state) {
+    (void)state;
+    for (size_t b = 0; b < 2; ++b) {
+        strata *instance = picture_instance(backends[b]);
+        if (!instance)
+            continue;
+        strata_scene *sc = picture_scene(instance, cases[1].path);
+        for (size_t v = 0; v < BASE_COUNT(variants); ++v) {
+            const char *settings[8];
+            char number[32];
+            strata_render_options options = with(&variants[v], settings, number, 4);
+            options.width = options.height = 8;
+            const strata_result r = strata_render(instance, sc, &options);
+            assert_int_equal(r == STRATA_OK, runs(instance, &variants[v]));
+        }
+        strata_scene_close(sc);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_nearest_are_kept),
+        cmocka_unit_test(long_pixels_keep_the_nearest),
+        cmocka_unit_test(what_is_learned_is_recorded_again),
+        cmocka_unit_test(the_pool_is_full_or_short_by_one),
+        cmocka_unit_test(what_a_device_lacks_is_refused),
+    };
+    const int failed = cmocka_run_group_tests_name("kplus", tests, NULL, NULL);
+    picture_close();
+    return failed;
+}
