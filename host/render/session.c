@@ -256,6 +256,9 @@ static strata_result technique_failed(const render_technique *t, const char *cal
     if (t->error.result != STRATA_OK)
         return base_fail(err, t->error.result, "%s: %s: %s", t->planned->technique->id, call,
                          t->error.text);
+    if (r == STRATA_ERROR_UNSUPPORTED)
+        return base_fail(err, r, "%s: its settings ask for what this device does not have",
+                         t->planned->technique->id);
     return base_fail(err, r < 0 ? r : STRATA_ERROR_MODULE, "%s: %s failed (%d)",
                      t->planned->technique->id, call, (int)r);
 }

@@ -235,7 +235,8 @@ static void tell_refusal(bench *b, const combination *c) {
         snprintf(t->told[t->told_count++], sizeof t->told[0], "%s", line);
 }
 
-/* 0: the plan refuses it. What is planned must render, and by the techniques asked for. */
+/* 0: the plan refuses it, or this device has not what a knob was set to. What is planned must render
+ * otherwise, and by the techniques asked for. */
 static int render(bench *b, combination *c, shown *out) {
     const char *settings[2];
     describe(c, b);
@@ -244,7 +245,12 @@ static int render(bench *b, combination *c, shown *out) {
         tell_refusal(b, c);
         return 0;
     }
-    if (strata_render(b->instance, b->sc, &options) != STRATA_OK)
+    const strata_result r = strata_render(b->instance, b->sc, &options);
+    if (r == STRATA_ERROR_UNSUPPORTED && options.setting_count > 0) {
+        tell_refusal(b, c);
+        return 0;
+    }
+    if (r != STRATA_OK)
         fail_msg("%s: %s", c->what, strata_error(b->instance));
     assert_int_equal(b->instance->exclusion_count, 0);
     assert_non_null(plan_find(b->instance->session->plan, c->capture->technique->id));
