@@ -60,7 +60,8 @@ typedef struct strata_promises {
 /* Cost before anything was measured, in units of blending one fragment (the floor). The plan adds
  * frame + per_pixel * covered pixels + per_fragment * fragments + per_triangle * triangles, and for
  * techniques that draw once for each layer of the deepest pixel
- * largest depth * (per_depth + per_depth_fragment * fragments + per_depth_triangle * triangles). */
+ * largest depth * (per_depth + per_depth_pixel * covered pixels + per_depth_fragment * fragments +
+ * per_depth_triangle * triangles). */
 typedef struct strata_cost_model {
     uint32_t struct_size;
     uint32_t reserved;
@@ -70,6 +71,7 @@ typedef struct strata_cost_model {
     double per_fragment_log2_depth; /* times log2(1 + mean depth), for sorting */
     double per_triangle;
     double per_depth;
+    double per_depth_pixel;
     double per_depth_fragment;
     double per_depth_triangle;
 } strata_cost_model;

@@ -157,9 +157,15 @@ static strata_result check_promises(const char *owner, const strata_promises *pr
     if (promises->order > STRATA_ORDER_APPROXIMATE ||
         promises->determinism > STRATA_DETERMINISM_BOUNDED)
         return base_fail(err, STRATA_ERROR_MODULE, "%s: an unknown promise", owner);
-    const double values[] = {cost->frame, cost->per_pixel, cost->per_fragment,
-                             cost->per_fragment_log2_depth, cost->per_triangle, cost->per_depth,
-                             cost->per_depth_fragment, cost->per_depth_triangle};
+    const double values[] = {cost->frame,
+                             cost->per_pixel,
+                             cost->per_fragment,
+                             cost->per_fragment_log2_depth,
+                             cost->per_triangle,
+                             cost->per_depth,
+                             cost->per_depth_pixel,
+                             cost->per_depth_fragment,
+                             cost->per_depth_triangle};
     for (size_t i = 0; i < BASE_COUNT(values); i++)
         if (!isfinite(values[i]) || values[i] < 0.0)
             return base_fail(err, STRATA_ERROR_MODULE, "%s: a cost is negative or not finite",

@@ -114,6 +114,7 @@ static json_t *json_cost(json_writer *w, const strata_cost_model *cost) {
     json_put_real(w, object, "per_fragment_log2_depth", cost->per_fragment_log2_depth);
     json_put_real(w, object, "per_triangle", cost->per_triangle);
     json_put_real(w, object, "per_depth", cost->per_depth);
+    json_put_real(w, object, "per_depth_pixel", cost->per_depth_pixel);
     json_put_real(w, object, "per_depth_fragment", cost->per_depth_fragment);
     json_put_real(w, object, "per_depth_triangle", cost->per_depth_triangle);
     return object;

@@ -201,6 +201,7 @@ static const strata_cost_model *read_cost(json_reader *r, const json_t *object) 
         .per_fragment_log2_depth = read_real(r, from, "per_fragment_log2_depth"),
         .per_triangle = read_real(r, from, "per_triangle"),
         .per_depth = read_real(r, from, "per_depth"),
+        .per_depth_pixel = read_real(r, from, "per_depth_pixel"),
         .per_depth_fragment = read_real(r, from, "per_depth_fragment"),
         .per_depth_triangle = read_real(r, from, "per_depth_triangle"),
     };

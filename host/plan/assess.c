@@ -93,8 +93,8 @@ static double cost_of(const plan_candidate *c, const strata_scene_stats *stats) 
                   m->per_fragment_log2_depth * fragments * log2(1.0 + stats->mean_depth) +
                   m->per_triangle * triangles +
                   stats->largest_depth *
-                      (m->per_depth + m->per_depth_fragment * fragments +
-                       m->per_depth_triangle * triangles);
+                      (m->per_depth + m->per_depth_pixel * pixels +
+                       m->per_depth_fragment * fragments + m->per_depth_triangle * triangles);
     return isfinite(cost) && cost >= 0.0 ? cost : PLAN_NO_COST;
 }
 

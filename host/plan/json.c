@@ -200,12 +200,12 @@ static json_t *promises_json(const strata_promises *p) {
 static json_t *cost_json(const strata_cost_model *c) {
     if (!c)
         return json_null();
-    return json_pack("{so so so so so so so so}", "frame", number(c->frame), "per_pixel",
-                     number(c->per_pixel), "per_fragment", number(c->per_fragment),
-                     "per_fragment_log2_depth", number(c->per_fragment_log2_depth), "per_triangle",
-                     number(c->per_triangle), "per_depth", number(c->per_depth),
-                     "per_depth_fragment", number(c->per_depth_fragment), "per_depth_triangle",
-                     number(c->per_depth_triangle));
+    return json_pack(
+        "{so so so so so so so so so}", "frame", number(c->frame), "per_pixel",
+        number(c->per_pixel), "per_fragment", number(c->per_fragment), "per_fragment_log2_depth",
+        number(c->per_fragment_log2_depth), "per_triangle", number(c->per_triangle), "per_depth",
+        number(c->per_depth), "per_depth_pixel", number(c->per_depth_pixel), "per_depth_fragment",
+        number(c->per_depth_fragment), "per_depth_triangle", number(c->per_depth_triangle));
 }
 
 static json_t *technique_json(const modules_technique_note *t) {

@@ -15,6 +15,7 @@
 #include <string.h>
 
 enum {
+    PIXELS_PER_INVOCATION = 16,
     BATCH = 4,         /* steps in the first batch of a band that was never rendered */
     STEP_LIMIT = 2048, /* a fragment among several at its depth takes two steps, others one */
     LARGEST_DEPTH = STEP_LIMIT / 2,
@@ -269,7 +270,8 @@ static void record_finish(const peel *p, const strata_frame *frame) {
                         .program = p->finish_program,
                         .binds = b.at,
                         .bind_count = b.count};
-    strata_groups((uint64_t)frame->band_width * frame->band_height, pass.groups);
+    const uint64_t pixels = (uint64_t)frame->band_width * frame->band_height;
+    strata_groups((pixels + PIXELS_PER_INVOCATION - 1) / PIXELS_PER_INVOCATION, pass.groups);
     frame->fill(frame->self, p->totals, 0, 0, 0);
     frame->pass(frame->self, &pass);
 }
@@ -387,8 +389,14 @@ static const strata_promises promises = {
     .memory = "front_to_back: (68 + payload) pixels; dual: (128 + 2 payload) pixels; "
               "payload: unorm8 4, half 8, float 16"};
 
-static const strata_cost_model cost = {
-    .struct_size = sizeof(strata_cost_model), .frame = 20000, .per_pixel = 0.3};
+/* A step: two passes over everything, of which the depth test rejects most, and the fold. */
+static const strata_cost_model cost = {.struct_size = sizeof(strata_cost_model),
+                                       .frame = 5000,
+                                       .per_pixel = 5,
+                                       .per_depth = 2000,
+                                       .per_depth_pixel = 4,
+                                       .per_depth_fragment = 0.7,
+                                       .per_depth_triangle = 8};
 
 static const strata_technique technique = {
     .struct_size = sizeof(strata_technique),

@@ -176,6 +176,7 @@ static const modules_technique_note techniques[] = {
                                         .frame = 40,
                                         .per_triangle = 3,
                                         .per_depth = 4,
+                                        .per_depth_pixel = 3,
                                         .per_depth_fragment = 0.25,
                                         .per_depth_triangle = 2}},
     {.id = "kbuffer",

@@ -145,9 +145,10 @@ static void streams_capture_nothing(void **state) {
     assert_true(plan_find(p, "range")->cost == 1000.0);
     assert_true(plan_floors(p, 1500.0) == 1.5);
     plan_free(p);
-    /* 40 + 3 x 40 triangles + 10 layers x (4 + 0.25 x 1,000 fragments + 2 x 40 triangles) */
+    /* 40 + 3 x 40 triangles + 10 layers x (4 + 3 x 100 pixels + 0.25 x 1,000
+     * fragments + 2 x 40 triangles) */
     p = get(&(request){FOR("pass over", "b")}, &k, &d);
-    assert_true(plan_find(p, "pass")->cost == 3500.0);
+    assert_true(plan_find(p, "pass")->cost == 6500.0);
     plan_free(p);
     p = get(&(request){FOR("pass over", "bd"), .use = "pass"}, &k, &d);
     assert_int_equal(p->warning_count, 1);
