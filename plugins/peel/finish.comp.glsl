@@ -3,29 +3,19 @@
 // peel, at the end: joins the walks, ends them at what color/1 holds, and sums what was taken and dropped.
 #define PEEL_WALKS readonly
 #include "state.glsl"
+#include "strata/output.glsl"
 #include "strata/scan.glsl"
+#include "strata/totals.glsl"
 #include "walks.glsl"
-
-layout(rgba32f) uniform image2D color;
-layout(std430) buffer PeelTotals { uint peel_taken[2]; uint peel_dropped[2]; uint peel_largest; };
 
 const uint PEEL_SHARE = 16u; // pixels an invocation
 
-// Adds to a number of 64 bits: low word first.
-#define PEEL_ADD(number, value)                                                                    \
-    {                                                                                              \
-        uint low = atomicAdd(number[0], value);                                                    \
-        if (low + value < low)                                                                     \
-            atomicAdd(number[1], 1u);                                                              \
-    }
-
 void peel_finish(uint pixel) {
-    ivec2 at = ivec2(strata_position(pixel));
     StrataElement walk = peel_walk[peel_slot(pixel, PEEL_FRONT)];
 #if PEEL_SIDES == 2
     strata_fold_step(walk, peel_walk[peel_slot(pixel, PEEL_BACK)]);
 #endif
-    imageStore(color, at, strata_fold_end(walk, imageLoad(color, at)));
+    strata_output(pixel, walk);
 }
 
 void main() {
@@ -39,9 +29,6 @@ void main() {
         if (count.x > 0u)
             peel_finish(pixel);
     }
-    if (largest == 0u)
-        return;
-    atomicMax(peel_largest, largest);
-    PEEL_ADD(peel_taken, sum.x)
-    PEEL_ADD(peel_dropped, sum.y)
+    strata_totals_largest(largest);
+    strata_totals_add(sum.x + sum.y, sum.x);
 }

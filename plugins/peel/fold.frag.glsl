@@ -72,7 +72,7 @@ void main() {
     }
 #if PEEL_SIDES == 1
     PeelFound next = peel_found[peel_slot(pixel, PEEL_FRONT)];
-    float start = next.wanted != 0u ? uintBitsToFloat(0x3f800000u - next.key)
+    float start = next.wanted != 0u ? strata_key_depth(next.key)
                                     : texelFetch(limit, ivec2(gl_FragCoord.xy), 0).r;
     gl_FragDepth = more ? start : 1.0;
 #endif

@@ -10,6 +10,7 @@
  * own. Steps are recorded in batches; after each the host reads how far the last one got.
  */
 #include "peel_glsl.h"
+#include "shared/counting.h"
 #include "strata/strata.h"
 
 #include <string.h>
@@ -24,10 +25,6 @@ enum {
 
 enum { KNOB_MODE, KNOB_LAYERS, KNOB_PAYLOAD };
 
-typedef struct totals {
-    uint32_t taken[2], dropped[2], largest;
-} totals;
-
 typedef struct peel {
     const strata_gpu *gpu;
     uint32_t sides; /* 1, or 2 in dual mode: slots a pixel */
@@ -36,7 +33,8 @@ typedef struct peel {
     strata_image color, limit;
     strata_image nearest_depth;     /* front to back */
     strata_image nearest, farthest; /* dual */
-    strata_buffer last, founds, walks, counts, progress, totals;
+    strata_buffer last, founds, walks, counts, progress;
+    counting totals;
     strata_buffer payload[STRATA_MAX_PLANES];
     uint32_t plane_count;
     strata_program fold_program, nearest_program, shade_program, rest_program, finish_program;
@@ -97,7 +95,7 @@ static strata_result prepare_buffers(peel *p, const strata_view *view) {
     } rows[] = {
         {&p->last, "last", slots * 8},    {&p->founds, "found", slots * 16},
         {&p->walks, "walks", slots * 32}, {&p->counts, "counts", pixels * 8},
-        {&p->progress, "progress", 4},    {&p->totals, "totals", sizeof(totals)},
+        {&p->progress, "progress", 4},
     };
     strata_result r = STRATA_OK;
     for (size_t i = 0; i < sizeof rows / sizeof *rows && r == STRATA_OK; ++i)
@@ -106,6 +104,8 @@ static strata_result prepare_buffers(peel *p, const strata_view *view) {
                                                         .label = rows[i].label,
                                                         .size = rows[i].size},
                                   rows[i].out);
+    if (r == STRATA_OK)
+        r = counting_prepare_totals(&p->totals, p->gpu);
     p->plane_count = view->payload_plane_count;
     for (uint32_t i = 0; i < p->plane_count && r == STRATA_OK; ++i)
         r = p->gpu->buffer_create(
@@ -263,7 +263,7 @@ static void record_finish(const peel *p, const strata_frame *frame) {
     binds b = {.count = 0};
     add_buffer(&b, "PeelWalks", p->walks);
     add_buffer(&b, "PeelCounts", p->counts);
-    add_buffer(&b, "PeelTotals", p->totals);
+    add_buffer(&b, "Totals", p->totals.totals);
     add_image(&b, "color", p->color);
     strata_pass pass = {.struct_size = sizeof pass,
                         .label = "finish",
@@ -272,7 +272,7 @@ static void record_finish(const peel *p, const strata_frame *frame) {
                         .bind_count = b.count};
     const uint64_t pixels = (uint64_t)frame->band_width * frame->band_height;
     strata_groups((pixels + PIXELS_PER_INVOCATION - 1) / PIXELS_PER_INVOCATION, pass.groups);
-    frame->fill(frame->self, p->totals, 0, 0, 0);
+    frame->fill(frame->self, p->totals.totals, 0, 0, 0);
     frame->pass(frame->self, &pass);
 }
 
@@ -315,17 +315,11 @@ static void record(void *state, const strata_frame *frame) {
 
 static strata_result verify(void *state, const strata_frame *frame) {
     const peel *p = state;
-    totals sum = {.largest = 0};
-    const strata_result r = frame->read(frame->self, p->totals, 0, sizeof sum, &sum);
-    if (r != STRATA_OK)
-        return r;
-    const uint64_t taken = sum.taken[0] | (uint64_t)sum.taken[1] << 32,
-                   dropped = sum.dropped[0] | (uint64_t)sum.dropped[1] << 32;
-    frame->report(frame->self, STRATA_REPORT_FRAGMENTS_TOTAL, taken + dropped);
-    frame->report(frame->self, STRATA_REPORT_FRAGMENTS_KEPT, taken);
-    frame->report(frame->self, STRATA_REPORT_FRAGMENTS_DROPPED, dropped);
-    frame->report(frame->self, STRATA_REPORT_MAX_PER_PIXEL, sum.largest);
-    return STRATA_OK;
+    counting_totals totals;
+    const strata_result r = counting_verify(&p->totals, frame, &totals);
+    if (r == STRATA_OK)
+        frame->report(frame->self, STRATA_REPORT_MAX_PER_PIXEL, totals.largest);
+    return r;
 }
 
 static void destroy(void *state) {

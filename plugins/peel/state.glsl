@@ -5,7 +5,8 @@
 //
 // A step takes from each slot's side the next fragment in the total order (key, order). Where several
 // share the next depth, the step only learns which of them is first, and the next step takes that one.
-#include "strata/fragments.glsl"
+#include "strata/frame.glsl"
+#include "strata/key.glsl"
 
 #ifndef PEEL_LAST
 #define PEEL_LAST readonly
