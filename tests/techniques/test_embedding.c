@@ -304,7 +304,9 @@ static void structs_of_techniques_are_checked(void **state) {
     (void)state;
     strata *s = open_null();
     strata_scene *sc = layers(s);
-    assert_int_equal(strata_render(s, sc, &small), STRATA_OK);
+    strata_render_options captured = small;
+    captured.use = "abuffer,ppc";
+    assert_int_equal(strata_render(s, sc, &captured), STRATA_OK);
     render_technique *t = &s->session->techniques[0];
     while (strcmp(t->technique->stage, "capture") != 0)
         ++t;
@@ -315,7 +317,7 @@ static void structs_of_techniques_are_checked(void **state) {
     careless.gpu = &t->gpu;
     t->technique = &careless.table;
     s->session->prepared = 0;
-    strata_render(s, sc, &small);
+    strata_render(s, sc, &captured);
     assert_int_equal(careless.probed, 1);
     strata_close(s);
 }
