@@ -18,6 +18,7 @@
 typedef struct abuffer {
     const strata_gpu *gpu;
     uint32_t layout;
+    int cursors; /* contiguous: cursors are in an attachment, not counted down in storage */
     strata_draws draws;
     strata_image limit;
     strata_buffer ranges;
@@ -28,11 +29,14 @@ typedef struct abuffer {
 
 static strata_result program(const abuffer *a, uint32_t kind, const char *label,
                              const strata_glsl *source, strata_program *out) {
+    static const char *const defines[] = {"STRATA_CURSORS"};
     return a->gpu->program_create(a->gpu->self,
                                   &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
                                                          .kind = kind,
                                                          .label = label,
-                                                         .source = source},
+                                                         .source = source,
+                                                         .defines = defines,
+                                                         .define_count = a->cursors ? 1 : 0},
                                   out);
 }
 
@@ -79,6 +83,8 @@ static strata_result prepare(void *state, const strata_view *view) {
     abuffer *a = state;
     const uint64_t pixels = (uint64_t)view->band_width * view->band_height;
     a->layout = view->layout;
+    a->cursors = a->layout == STRATA_FRAGMENTS_CONTIGUOUS &&
+                 a->gpu->fact(a->gpu->self, "ordered_attachments") != 0;
     a->draws = view->draws(view->self, "draws.transparent/1");
     a->limit = view->image(view->self, "limit/1");
     strata_result r = buffer(a, "ranges", pixels * 8, &a->ranges);
@@ -87,7 +93,8 @@ static strata_result prepare(void *state, const strata_view *view) {
     if (r == STRATA_OK && a->layout == STRATA_FRAGMENTS_LINKED)
         r = program(a, STRATA_PROGRAM_COMPUTE, "heads", &heads_comp_glsl, &a->heads_program);
     if (r == STRATA_OK && a->layout == STRATA_FRAGMENTS_CONTIGUOUS)
-        r = counting_prepare(&a->counting, a->gpu, view, 1);
+        r = counting_prepare(&a->counting, a->gpu, view,
+                             a->cursors ? COUNTING_CURSORS : COUNTING_ENDS);
     if (r == STRATA_OK)
         r = program(a, STRATA_PROGRAM_SCENE, "store", &counting_store_glsl, &a->store_program);
     if (r == STRATA_OK)
@@ -120,8 +127,10 @@ static void record(void *state, const strata_frame *frame) {
         record_heads(a, frame);
 
     const strata_bind binds[] = {
-        {.struct_size = sizeof(strata_bind), .name = "StrataRanges", .buffer = a->ranges},
-        {.struct_size = sizeof(strata_bind), .pool = a->records}};
+        {.struct_size = sizeof(strata_bind), .pool = a->records},
+        {.struct_size = sizeof(strata_bind), .name = "StrataRanges", .buffer = a->ranges}};
+    const strata_attachment cursors = {
+        .struct_size = sizeof cursors, .image = a->counting.cursors, .read = 1};
     frame->pass(
         frame->self,
         &(strata_pass){.struct_size = sizeof(strata_pass),
@@ -129,7 +138,9 @@ static void record(void *state, const strata_frame *frame) {
                        .program = a->store_program,
                        .draws = a->draws,
                        .binds = binds,
-                       .bind_count = 2,
+                       .bind_count = a->cursors ? 1 : 2,
+                       .color = &cursors,
+                       .color_count = a->cursors ? 1 : 0,
                        .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment),
                                                      .image = a->limit},
                        .depth_test = STRATA_TEST_GREATER_EQUAL});
@@ -159,7 +170,7 @@ static strata_result estimate(const strata_scene_stats *stats, const strata_sett
                                              4}; /* STRATA_PAYLOAD_*, of plain transparency */
     (void)stats;
     const int linked = settings->values[0] > 0;
-    cost->bytes_per_pixel = linked ? 8 : 12;
+    cost->bytes_per_pixel = linked ? 8 : 16;
     cost->bytes_per_fragment = 8 + payload_bytes[(int)settings->values[1]] + (linked ? 8 : 0);
     cost->bytes_fixed = 64;
     return STRATA_OK;
@@ -198,7 +209,7 @@ static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),
     .order = STRATA_ORDER_EXACT,
     .determinism = STRATA_DETERMINISM_BIT,
-    .memory = "contiguous: 12 pixels + (8 + payload) fragments; "
+    .memory = "contiguous: 16 pixels + (8 + payload) fragments; "
               "linked: 8 pixels + (16 + payload) fragments; payload: unorm8 4, half 8, float 16"};
 
 static const strata_cost_model cost = {.struct_size = sizeof(strata_cost_model),

@@ -33,8 +33,10 @@ strata_result counting_prepare_totals(counting *c, const strata_gpu *gpu) {
 }
 
 strata_result counting_prepare(counting *c, const strata_gpu *gpu, const strata_view *view,
-                               int ends) {
-    static const char *const defines[] = {"STRATA_RANGE_ENDS"};
+                               int offsets) {
+    static const char *const offset_defines[] = {"STRATA_RANGE_STARTS", "STRATA_RANGE_ENDS",
+                                                 "STRATA_RANGE_CURSORS"};
+    const char *const defines[] = {offset_defines[offsets]};
     const struct {
         strata_program *out;
         uint32_t kind;
@@ -45,7 +47,7 @@ strata_result counting_prepare(counting *c, const strata_gpu *gpu, const strata_
         {&c->count_program, STRATA_PROGRAM_SCENE, "count", &count_glsl, 0},
         {&c->sums_program, STRATA_PROGRAM_COMPUTE, "sums", &sums_glsl, 0},
         {&c->offsets_program, STRATA_PROGRAM_COMPUTE, "offsets", &offsets_glsl, 0},
-        {&c->ranges_program, STRATA_PROGRAM_COMPUTE, "ranges", &ranges_glsl, ends ? 1 : 0},
+        {&c->ranges_program, STRATA_PROGRAM_COMPUTE, "ranges", &ranges_glsl, 1},
     };
     const strata_image_desc count = {.struct_size = sizeof count,
                                      .label = "fragment count",
@@ -53,6 +55,12 @@ strata_result counting_prepare(counting *c, const strata_gpu *gpu, const strata_
                                      .width = view->width,
                                      .height = view->height};
     strata_result r = gpu->image_create(gpu->self, &count, &c->count);
+    strata_image_desc cursors = count;
+    cursors.label = "cursors";
+    cursors.format = STRATA_FORMAT_R32U;
+    c->cursors = (strata_image){0};
+    if (r == STRATA_OK && offsets == COUNTING_CURSORS)
+        r = gpu->image_create(gpu->self, &cursors, &c->cursors);
     if (r == STRATA_OK)
         r = counting_prepare_totals(c, gpu);
     if (r == STRATA_OK)
@@ -78,6 +86,8 @@ void counting_record(const counting *c, const strata_frame *frame, strata_draws 
     const uint32_t tile_count = tiles(frame->band_width, frame->band_height);
     const strata_bind count = {
         .struct_size = sizeof count, .name = "count_image", .image = c->count};
+    const strata_bind cursors = {
+        .struct_size = sizeof cursors, .name = "cursor_image", .image = c->cursors};
     const strata_bind sums = bind("Sums", c->sums);
     uint32_t groups[3]; /* one a tile */
     strata_groups((uint64_t)tile_count * 64, groups);
@@ -120,14 +130,15 @@ void counting_record(const counting *c, const strata_frame *frame, strata_draws 
                                .bind_count = 2});
     frame->pass(
         frame->self,
-        &(strata_pass){.struct_size = sizeof(strata_pass),
-                       .label = "ranges",
-                       .program = c->ranges_program,
-                       .groups = {groups[0], groups[1]},
-                       .params = &most,
-                       .params_size = sizeof most,
-                       .binds = (const strata_bind[]){count, sums, bind("StrataRanges", ranges)},
-                       .bind_count = 3});
+        &(strata_pass){
+            .struct_size = sizeof(strata_pass),
+            .label = "ranges",
+            .program = c->ranges_program,
+            .groups = {groups[0], groups[1]},
+            .params = &most,
+            .params_size = sizeof most,
+            .binds = (const strata_bind[]){count, sums, bind("StrataRanges", ranges), cursors},
+            .bind_count = c->cursors.id ? 4 : 3});
 }
 
 static uint64_t wide(const uint32_t words[2]) {

@@ -18,8 +18,13 @@ typedef struct counting_totals {
     uint32_t arrived[2], kept[2]; /* low and high words */
 } counting_totals;
 
+/* How a store pass finds its slots in a pixel's range. */
+#define COUNTING_STARTS  0 /* by itself: offsets are the ranges' beginnings */
+#define COUNTING_ENDS    1 /* offsets are the ranges' ends, which it counts down to the beginnings */
+#define COUNTING_CURSORS 2 /* beginnings, and in image `cursors` too, which it counts up */
+
 typedef struct counting {
-    strata_image count;
+    strata_image count, cursors;
     strata_buffer sums, totals;
     strata_program count_program, sums_program, offsets_program, ranges_program;
 } counting;
@@ -27,9 +32,10 @@ typedef struct counting {
 /* The totals alone, for captures that add to them by themselves. */
 strata_result counting_prepare_totals(counting *c, const strata_gpu *gpu);
 
-/* All that counting_record needs, in prepare(). ends: 1 = offsets are the ranges' ends. */
+/* All that counting_record needs, in prepare(). offsets: COUNTING_STARTS, _ENDS or _CURSORS; the
+ * last makes a R32U image of the frame's size. */
 strata_result counting_prepare(counting *c, const strata_gpu *gpu, const strata_view *view,
-                               int ends);
+                               int offsets);
 
 /* In record(): counts the draws in front of or level with `limit`, gives each pixel a range for
  * at most `most` records in the block StrataRanges and tells the pool how many it needs. */

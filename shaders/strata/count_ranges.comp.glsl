@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
 // Exact allocation, pass 4: the range of each pixel. With STRATA_RANGE_ENDS, offsets are written as the
-// range's end; a store pass that counts them down leaves its beginning there and keeps no cursor.
+// range's end; a store pass that counts them down leaves its beginning there and keeps no cursor. With
+// STRATA_RANGE_CURSORS, its beginning is also where the cursor of such a pass begins.
 #define STRATA_RANGES writeonly
 #include "strata/fragments.glsl"
 #include "strata/tiles.glsl"
 
 layout(std430) readonly buffer Sums { uint sums[]; };
 STRATA_PARAMS { uint most; } params;
+#ifdef STRATA_RANGE_CURSORS
+layout(r32ui) uniform writeonly uimage2D cursor_image;
+#endif
 
 void main() {
     uint sum = 0u, pixel;
@@ -27,6 +31,9 @@ void main() {
             strata_ranges[pixel] = uvec2(end, count);
 #else
             strata_ranges[pixel] = uvec2(offset, count);
+#endif
+#ifdef STRATA_RANGE_CURSORS
+            imageStore(cursor_image, ivec2(strata_position(pixel)), uvec4(offset));
 #endif
             offset = end;
         }

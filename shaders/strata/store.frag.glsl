@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // Capture of every fragment, last geometry pass: shades it and stores its record, in its pixel's range
-// (contiguous) or at the head of its pixel's list (linked). No colour output: a later triangle's
-// opaque output may make a driver drop a tile's storage writes.
+// (contiguous) or at the head of its pixel's list (linked). No opaque colour output: a later triangle's
+// may make a driver drop a tile's storage writes. STRATA_CURSORS: the next slot of each pixel's range is
+// in attachment 0, which costs no atomic operation.
 #define STRATA_RANGES coherent
 #define STRATA_RECORDS writeonly
 #define STRATA_KEYS STRATA_PAIR
@@ -12,10 +13,18 @@
 #include "strata/effects.glsl"
 
 layout(early_fragment_tests) in;
+#ifdef STRATA_CURSORS
+#include "strata/ordered.glsl"
+STRATA_ORDERED_UINT(0)
+#endif
 layout(std430) buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 
 uint take_slot(uint pixel) {
-#if STRATA_LAYOUT == 1
+#if defined(STRATA_CURSORS)
+    uint slot = STRATA_ORDERED_LOAD(0).r;
+    STRATA_ORDERED_STORE(0, uvec4(slot + 1u));
+    return slot;
+#elif STRATA_LAYOUT == 1
     uint slot = atomicAdd(strata_needed, 1u);
     if (slot >= 0x80000000u) // beyond every capacity: the count stays there and never wraps
         atomicAdd(strata_needed, 0xffffffffu);

@@ -32,19 +32,26 @@ const test_scene picture_scenes[] = {
 };
 const size_t picture_scene_count = sizeof picture_scenes / sizeof *picture_scenes;
 
+#define KEPT 8
+
 static struct {
     const char *backend;
     strata *instance;
-} kept[3];
+} kept[KEPT];
 
 strata *picture_instance(const char *backend) {
     size_t at = 0;
-    while (at < 2 && kept[at].backend && strcmp(kept[at].backend, backend) != 0)
+    while (at < KEPT - 1 && kept[at].backend && strcmp(kept[at].backend, backend) != 0)
         ++at;
     if (kept[at].backend)
         return kept[at].instance;
-    const strata_open_options options = {
-        .struct_size = sizeof options, .backend = backend, .check = 1};
+    char name[16] = "";
+    const char *fault = strchr(backend, ' ');
+    strncat(name, backend, fault ? (size_t)(fault - backend) : sizeof name - 1);
+    const strata_open_options options = {.struct_size = sizeof options,
+                                         .backend = name,
+                                         .check = 1,
+                                         .inject = fault ? fault + 1 : NULL};
     strata_scene *sc = NULL;
     kept[at].backend = backend;
     if (strata_open(&options, &kept[at].instance) != STRATA_OK)
@@ -70,7 +77,7 @@ uint64_t picture_fact(const strata *instance, const char *id) {
 }
 
 void picture_close(void) {
-    for (size_t i = 0; i < 3; ++i)
+    for (size_t i = 0; i < KEPT; ++i)
         strata_close(kept[i].instance);
     memset(kept, 0, sizeof kept);
 }

@@ -32,7 +32,7 @@ extern const test_scene picture_scenes[];
 extern const size_t picture_scene_count;
 
 /* An instance of this backend, kept for the whole program; NULL when the backend cannot be opened
- * here (the caller skips and says so). */
+ * here (the caller skips and says so). "vulkan lacks:FACT" is Vulkan on a device without it. */
 strata *picture_instance(const char *backend);
 void picture_close(void); /* all instances */
 

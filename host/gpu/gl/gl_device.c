@@ -19,14 +19,15 @@
 #define GL_SUBGROUP_FEATURE_BALLOT_BIT_KHR 0x00000008
 #endif
 
-/* Synchronous: runs inside the call that is to blame. Remarks on performance are no defect. */
+/* Synchronous: runs inside the call that is to blame. Remarks on performance are no defect, nor are
+ * a compiler's on text that was generated (gl_text.c); what it refuses is seen by its status. */
 static void APIENTRY message_arrived(GLenum source, GLenum type, GLuint id, GLenum severity,
                                      GLsizei length, const GLchar *text, const void *user) {
     gl *g = (gl *)(uintptr_t)user;
-    (void)source, (void)id, (void)length;
+    (void)id, (void)length;
     int bad = type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR ||
               type == GL_DEBUG_TYPE_PORTABILITY || type == GL_DEBUG_TYPE_DEPRECATED_BEHAVIOR ||
-              (type != GL_DEBUG_TYPE_PERFORMANCE &&
+              (type != GL_DEBUG_TYPE_PERFORMANCE && source != GL_DEBUG_SOURCE_SHADER_COMPILER &&
                (severity == GL_DEBUG_SEVERITY_HIGH || severity == GL_DEBUG_SEVERITY_MEDIUM));
     if (!bad)
         base_log(BASE_LOG_DEBUG, "gl: %s", text);
@@ -104,8 +105,8 @@ static void caps_fill(const gl *g, gpu_backend_caps *caps) {
     caps->int64_atomics = gl_has(g, "GL_NV_shader_atomic_int64") != 0;
     caps->fragment_interlock = gl_has(g, "GL_ARB_fragment_shader_interlock") &&
                                gl_has_spirv(g, "SPV_EXT_fragment_shader_interlock");
-    caps->framebuffer_fetch = gl_has(g, "GL_EXT_shader_framebuffer_fetch") &&
-                              gl_has(g, "GL_ARB_shader_draw_parameters");
+    caps->framebuffer_fetch =
+        gl_has(g, "GL_EXT_shader_framebuffer_fetch") && gl_has(g, "GL_ARB_shader_draw_parameters");
     caps->stencil_export =
         gl_has(g, "GL_ARB_shader_stencil_export") &&
         (gl_has_spirv(g, "SPV_EXT_shader_stencil_export") || strstr(caps->driver, "Mesa") != NULL);
