@@ -26,7 +26,7 @@ void main() {
     uint begin = at * CHUNK, end = min(begin + CHUNK, count);
     StrataElement walk = strata_fold_begin();
     for (uint i = begin; i < end; ++i) {
-        if (ended(walk, params.threshold))
+        if (strata_ended(walk, params.threshold))
             break;
         strata_fold_step(walk, strata_event(strata_payload_load(slots0[first + i])));
     }

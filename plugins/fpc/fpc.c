@@ -12,7 +12,7 @@
  * learned in verify().
  */
 #include "fpc_glsl.h"
-#include "strata/strata.h"
+#include "shared/classes.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -30,7 +30,8 @@ typedef struct table {
 } table;
 _Static_assert(sizeof(table) == 148, "mirrors FPC_TABLE");
 
-enum { KNOB_THRESHOLD };
+enum { KNOB_MODE, KNOB_THRESHOLD };
+enum { MODE_FRAGMENTS, MODE_HYBRID };
 
 typedef struct fpc {
     const strata_gpu *gpu;
@@ -41,6 +42,8 @@ typedef struct fpc {
     strata_program tally_program, plan_program, rank_program, expand_program[2], digits_program,
         count_program[2][2], sums_program, blocks_program, offsets_program, scatter_program[2][2],
         mend_program, fold_program, join_program; /* [side][by_order] */
+    classes classes;                              /* hybrid: pixels of at most 64 fragments */
+    uint32_t hybrid;
     float threshold;
     uint32_t by_order;       /* 1: some frame had long runs of equal keys */
     uint32_t passes, levels; /* of the sort and of joining that are recorded */
@@ -73,7 +76,7 @@ static strata_result create_program(const fpc *f, const source *s) {
                                                   &extent_glsl, &sorting_glsl, &counters_glsl,
                                                   &joints_glsl, NULL};
     const char *const defines[] = {stream_of(f), s->side ? "SIDE=1" : "SIDE=0",
-                                   s->by_order ? "BY_ORDER=1" : "BY_ORDER=0"};
+                                   s->by_order ? "BY_ORDER=1" : "BY_ORDER=0", "HYBRID"};
     return f->gpu->program_create(f->gpu->self,
                                   &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
                                                          .kind = STRATA_PROGRAM_COMPUTE,
@@ -81,7 +84,7 @@ static strata_result create_program(const fpc *f, const source *s) {
                                                          .label = s->label,
                                                          .source = s->glsl,
                                                          .defines = defines,
-                                                         .define_count = 3,
+                                                         .define_count = 3 + f->hybrid,
                                                          .includes = includes},
                                   s->out);
 }
@@ -179,6 +182,7 @@ static strata_result prepare(void *state, const strata_view *view) {
     f->fragments = view->fragments(view->self);
     f->color = view->image(view->self, "color/1");
     f->threshold = (float)view->settings->values[KNOB_THRESHOLD];
+    f->hybrid = view->settings->values[KNOB_MODE] == MODE_HYBRID;
     if (!f->fragments)
         return STRATA_ERROR_INVALID_STATE;
     strata_result r = f->gpu->buffer_create(
@@ -197,27 +201,13 @@ static strata_result prepare(void *state, const strata_view *view) {
         r = prepare_pools(f, view->transmittance_channels);
     if (r == STRATA_OK)
         r = prepare_programs(f);
+    f->classes.threshold = f->threshold;
+    if (r == STRATA_OK && f->hybrid)
+        r = classes_prepare(&f->classes, f->gpu, view, 0, f->threshold > 0);
     return r;
 }
 
 /* ---- record ---------------------------------------------------------------------------------- */
-
-enum { BIND_MAX = 12 };
-
-/* What a pass names out of all that fpc has. */
-typedef struct binds {
-    strata_bind at[BIND_MAX];
-    uint32_t count;
-} binds;
-
-static void add_buffer(binds *b, const char *name, strata_buffer buffer) {
-    b->at[b->count++] =
-        (strata_bind){.struct_size = sizeof(strata_bind), .name = name, .buffer = buffer};
-}
-
-static void add_pool(binds *b, strata_pool pool) {
-    b->at[b->count++] = (strata_bind){.struct_size = sizeof(strata_bind), .pool = pool};
-}
 
 /* The two words of a pass's STRATA_PARAMS block, `size` bytes of which it has. */
 typedef struct params {
@@ -253,25 +243,29 @@ static void run(const fpc *f, const strata_frame *frame, const binds *b, const s
 
 static binds common(const fpc *f) {
     binds b = {.count = 0};
-    add_buffer(&b, "Table", f->table);
-    add_pool(&b, f->fragments->records);
+    binds_buffer(&b, "Table", f->table);
+    binds_pool(&b, f->fragments->records);
     if (f->fragments->layout == STRATA_FRAGMENTS_LINKED)
-        add_pool(&b, f->rank);
+        binds_pool(&b, f->rank);
     return b;
 }
 
 static void record_ranks(const fpc *f, const strata_frame *frame) {
     const uint32_t groups = (uint32_t)pixel_groups(frame->band_width, frame->band_height);
     binds plan = common(f);
-    add_pool(&plan, f->ranked);
+    binds_pool(&plan, f->ranked);
     binds pixels = plan;
-    add_buffer(&plan, "Sums", f->sums);
-    add_pool(&plan, f->element);
-    add_pool(&plan, f->counter);
-    add_pool(&plan, f->block);
-    add_pool(&plan, f->joint);
-    add_buffer(&pixels, "Sums", f->sums);
-    add_buffer(&pixels, "StrataRanges", f->fragments->ranges);
+    binds_buffer(&plan, "Sums", f->sums);
+    binds_pool(&plan, f->element);
+    binds_pool(&plan, f->counter);
+    binds_pool(&plan, f->block);
+    binds_pool(&plan, f->joint);
+    binds_buffer(&pixels, "Sums", f->sums);
+    binds_buffer(&pixels, "StrataRanges", f->fragments->ranges);
+    if (f->hybrid) {
+        classes_record_histogram(&f->classes, frame);
+        binds_buffer(&plan, "Classes", f->classes.table);
+    }
     run(f, frame, &pixels, &(step){"tally", f->tally_program, .direct = groups});
     run(f, frame, &plan, &(step){"plan", f->plan_program, .direct = 1});
     run(f, frame, &pixels, &(step){"rank", f->rank_program, .direct = groups});
@@ -284,12 +278,12 @@ static void record_sort(const fpc *f, const strata_frame *frame) {
                    counters = offsetof(table, counter_groups);
     const uint32_t side = f->passes & 1u;
     binds b = common(f);
-    add_pool(&b, f->ranked);
-    add_pool(&b, f->element);
-    add_pool(&b, f->counter);
-    add_pool(&b, f->block);
+    binds_pool(&b, f->ranked);
+    binds_pool(&b, f->element);
+    binds_pool(&b, f->counter);
+    binds_pool(&b, f->block);
     binds ranges = b;
-    add_buffer(&ranges, "StrataRanges", f->fragments->ranges);
+    binds_buffer(&ranges, "StrataRanges", f->fragments->ranges);
     run(f, frame, &ranges, &(step){"expand", f->expand_program[side], .indirect = elements});
     run(f, frame, &b,
         &(step){"digits", f->digits_program, .direct = 1, .params = PARAM(f->by_order)});
@@ -312,12 +306,11 @@ static void record_sort(const fpc *f, const strata_frame *frame) {
 
 static void record_fold(const fpc *f, const strata_frame *frame) {
     binds b = common(f);
-    add_buffer(&b, "StrataRanges", f->fragments->ranges);
-    add_pool(&b, f->ranked);
-    add_pool(&b, f->element);
-    add_pool(&b, f->joint);
-    b.at[b.count++] =
-        (strata_bind){.struct_size = sizeof(strata_bind), .name = "color", .image = f->color};
+    binds_buffer(&b, "StrataRanges", f->fragments->ranges);
+    binds_pool(&b, f->ranked);
+    binds_pool(&b, f->element);
+    binds_pool(&b, f->joint);
+    binds_image(&b, "color", f->color);
     params of = {.size = 8, .second = f->threshold};
     run(f, frame, &b,
         &(step){"fold", f->fold_program, .indirect = offsetof(table, chunk_groups), .params = of});
@@ -332,6 +325,10 @@ static void record(void *state, const strata_frame *frame) {
     const fpc *f = state;
     frame->fill(frame->self, f->table, 0, 0, 0);
     record_ranks(f, frame);
+    if (f->hybrid) {
+        classes_record_lists(&f->classes, frame, &(binds){.count = 0});
+        classes_record_folds(&f->classes, frame);
+    }
     record_sort(f, frame);
     record_fold(f, frame);
 }
@@ -354,18 +351,40 @@ static uint32_t levels_of(uint32_t largest) {
     return levels;
 }
 
+/* Whether networks are missing; those that some pixel needs are recorded from now on. */
+static strata_result verify_classes(fpc *f, const strata_frame *frame, int *missing,
+                                    uint32_t *largest) {
+    classes_table t = {.largest = 0};
+    uint32_t tied;
+    strata_result r = frame->read(frame->self, f->classes.table, 0, sizeof t, &t);
+    if (r != STRATA_OK)
+        return r;
+    *largest = t.largest;
+    t.classes[CLASSES_DEEP].count = 0; /* not its business */
+    *missing = classes_learn(&f->classes, frame, &t, &tied) != 0;
+    *missing |= tied != 0;
+    return STRATA_OK;
+}
+
 static strata_result verify(void *state, const strata_frame *frame) {
     fpc *f = state;
     table t = {.fits = 0};
+    int missing = 0;
+    uint32_t largest = 0;
     strata_result r = frame->read(frame->self, f->table, 0, sizeof t, &t);
+    if (r == STRATA_OK && f->hybrid)
+        r = verify_classes(f, frame, &missing, &largest);
     if (r != STRATA_OK)
         return r;
+    frame->report(frame->self, STRATA_REPORT_MAX_PER_PIXEL,
+                  t.largest > largest ? t.largest : largest);
+    if (t.elements == 0)
+        return missing ? STRATA_RETRY : STRATA_OK;
     const uint32_t by_order = f->by_order | t.long_ties;
     const uint32_t order_bits = by_order ? bits_of(t.last - ~t.inverse_first) : 0;
     const uint32_t passes = (t.key_bits + t.rank_bits + order_bits + DIGIT_BITS - 1) / DIGIT_BITS;
     const uint32_t levels = levels_of(t.largest);
-    frame->report(frame->self, STRATA_REPORT_MAX_PER_PIXEL, t.largest);
-    if (t.elements == 0 || (by_order == f->by_order && passes <= f->passes && levels <= f->levels))
+    if (!missing && by_order == f->by_order && passes <= f->passes && levels <= f->levels)
         return STRATA_OK;
     f->by_order = by_order;
     f->passes = passes > f->passes ? passes : f->passes;
@@ -398,6 +417,14 @@ static const strata_slot_use color_use = {
     .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_UPDATES, .slot = "color/1"};
 static const strata_slot_use *const slots[] = {&fragments_use, &color_use};
 
+static const char *const mode_choices[] = {"fragments", "hybrid", NULL};
+static const strata_knob mode = {
+    .struct_size = sizeof(strata_knob),
+    .type = STRATA_KNOB_CHOICE,
+    .name = "mode",
+    .title = "all pixels by fragments, or those of at most 64 by ppc's networks",
+    .maximum = 1,
+    .choices = mode_choices};
 static const strata_knob threshold = {
     .struct_size = sizeof(strata_knob),
     .type = STRATA_KNOB_FLOAT,
@@ -405,14 +432,15 @@ static const strata_knob threshold = {
     .title = "a fold ends where less than this share of the light behind comes through",
     .maximum = 1,
     .trades_accuracy = 1};
-static const strata_knob *const knobs[] = {[KNOB_THRESHOLD] = &threshold};
+static const strata_knob *const knobs[] = {[KNOB_MODE] = &mode, [KNOB_THRESHOLD] = &threshold};
 
 static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),
     .order = STRATA_ORDER_EXACT,
     .determinism = STRATA_DETERMINISM_BOUNDED,
-    .memory = "16 pixels with fragments + 25 to 28 fragments + 0.45 fragments of pixels deeper than 64 "
-              "(+ 4 pixels with linked records)"};
+    .memory =
+        "16 pixels with fragments + 25 to 28 fragments + 0.45 fragments of pixels deeper than 64 "
+        "(+ 4 pixels with linked records)"};
 
 static const strata_cost_model cost = {
     .struct_size = sizeof(strata_cost_model), .frame = 60000, .per_pixel = 0.5, .per_fragment = 10};
@@ -427,7 +455,7 @@ static const strata_technique technique = {
     .slots = slots,
     .slot_count = 2,
     .knobs = knobs,
-    .knob_count = 1,
+    .knob_count = 2,
     .promises = &promises,
     .cost = &cost,
     .estimate = estimate,

@@ -23,7 +23,7 @@ void main() {
         return; // its fold has ended, or another invocation has this node
     StrataElement walk = joint_at(joint);
     for (uint i = 1u; i < CHUNK && at + i * params.stride < parts; ++i) {
-        if (ended(walk, params.threshold))
+        if (strata_ended(walk, params.threshold))
             break;
         strata_fold_step(walk, joint_at(joint + i * params.stride));
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// fpc: nodes of the tree of folds, stored as (C, T), and where a walk ends early.
+// fpc: nodes of the tree of folds, stored as (C, T).
+#include "strata/ended.glsl"
 #include "strata/output.glsl"
 
 layout(std430) buffer Joint0 { vec2 joint0[]; };
@@ -28,10 +29,4 @@ void put_joint(uint joint, StrataElement walk) {
 #else
     joint2[joint] = vec2(walk.transmittance, 0.0);
 #endif
-}
-
-// Whether what lies behind is hidden but for less than `threshold` of each channel. 0: never.
-bool ended(StrataElement walk, float threshold) {
-    vec4 t = strata_transmittance4(walk);
-    return max(max(t.r, t.g), max(t.b, t.a)) < threshold;
 }

@@ -19,6 +19,13 @@ layout(std430) buffer JointPool { uint joint_needed; uint joint_capacity; };
 layout(std430) buffer RankPool { uint rank_needed; uint rank_capacity; };
 #endif
 
+#ifdef HYBRID
+#include "strata/classes.glsl"
+
+CLASS_TABLE(restrict)
+#include "strata/class_offsets.glsl"
+#endif
+
 uvec4 groups_for(uint items) { return uvec4(strata_groups(items), 0u); }
 
 uint parts_of(uint count, uint part) { return count / part + uint(count % part != 0u); }
@@ -70,4 +77,8 @@ void main() {
     }
     if (lane == 0u)
         set_table(total);
+#ifdef HYBRID
+    if (lane == 0u)
+        strata_class_offsets();
+#endif
 }

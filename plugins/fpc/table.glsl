@@ -3,8 +3,10 @@
 // fpc: what its passes share. Pixels that have fragments are ranked 0, 1, ..; an element is one fragment,
 // (rank, key) and the slot of its record. Elements of a rank lie together once they are sorted.
 
-#ifndef FPC_LEAST
-#define FPC_LEAST 1u // fragments of a pixel that fpc folds
+#ifdef HYBRID
+#define FPC_LEAST 65u // fragments of a pixel that is sorted and folded here
+#else
+#define FPC_LEAST 1u
 #endif
 #define PIXELS_PER_INVOCATION 16u
 #define ELEMENTS_PER_INVOCATION 16u // of passes that run over elements one by one
@@ -25,7 +27,7 @@
         uint chunks;                                                                               \
         uint joints;           /* chunks of pixels that have more than one */                      \
         uint streams;                                                                              \
-        uint largest;          /* fragments in one pixel */                                        \
+        uint deepest;          /* fragments in one pixel */                                        \
         uint inverse_nearest;  /* the bits inverted of the least key, so that 0 is a beginning */  \
         uint farthest;         /* the largest key */                                               \
         uint inverse_first;    /* the same of order */                                             \

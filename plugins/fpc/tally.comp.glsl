@@ -30,6 +30,6 @@ void main() {
         if (group < group_count())
             sums[group] = total;
         if (group_largest > 0u)
-            atomicMax(largest, group_largest);
+            atomicMax(deepest, group_largest);
     }
 }

@@ -6,6 +6,7 @@
 #include "classes.glsl"
 
 CLASS_TABLE(restrict)
+#include "strata/class_offsets.glsl"
 layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 layout(std430) buffer DeepPool { uint deep_needed; uint deep_capacity; };
 layout(std430) buffer BlockPool { uint block_needed; uint block_capacity; };
@@ -18,12 +19,7 @@ layout(std430) buffer IndexPool { uint index_needed; uint index_capacity; };
 void main() {
     if (gl_LocalInvocationID.x != 0u)
         return;
-    uint offset = 0u;
-    for (uint c = 0u; c < CLASS_COUNT; ++c) {
-        classes[c].offset = offset;
-        classes[c].groups = uvec4(strata_groups(classes[c].count), 0u);
-        offset += classes[c].count;
-    }
+    strata_class_offsets();
     block_groups = uvec4(strata_groups(blocks), 0u);
     deep_needed = classes[CLASS_DEEP].count;
     block_needed = blocks;

@@ -30,6 +30,11 @@ static void ways_of_a_scene(const test_scene *s) {
         {.use = "abuffer,fpc", .shuffle = 5},
         {.use = "abuffer,fpc", .settings = {"abuffer.mode=linked"}},
         {.use = "abuffer,fpc", .settings = {"abuffer.mode=linked"}, .bands = 7, .shuffle = 9},
+        {.use = "abuffer,fpc", .settings = {"fpc.mode=hybrid"}},
+        {.use = "abuffer,fpc",
+         .settings = {"fpc.mode=hybrid", "abuffer.mode=linked"},
+         .bands = 5,
+         .shuffle = 3},
     };
     picture reference = {0};
     for (size_t b = 0; b < 2; ++b) {
@@ -179,11 +184,12 @@ static void folds_are_those_of_the_tree(void **state) {
         {"scene:burst?mean=20&spread=0.6&width=32&height=32", 32},
         {"scene:burst?mean=20&spread=0.95&width=32&height=32", 32},
     };
-    static const char *const modes[] = {"abuffer.mode=contiguous", "abuffer.mode=linked"};
+    static const char *const modes[] = {"abuffer.mode=contiguous", "abuffer.mode=linked",
+                                        "fpc.mode=hybrid"};
     (void)state;
     for (size_t b = 0; b < 2; ++b) {
         strata *instance = picture_instance(backends[b]);
-        for (size_t m = 0; instance && m < 2; ++m)
+        for (size_t m = 0; instance && m < 3; ++m)
             for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
                 check_tree(instance, cases[i].path, modes[m], cases[i].size);
     }
@@ -204,10 +210,18 @@ static void equal_keys_are_sorted_by_order(void **state) {
     }
 }
 
+static void check_hybrid(strata_scene *sc, strata *instance, const char *setting,
+                         const picture *expected) {
+    const way w = {.use = "abuffer,fpc", .settings = {"fpc.mode=hybrid", setting}};
+    picture p = picture_render(sc, instance, &w, expected->width, expected->height);
+    picture_same(expected, &p, setting);
+    picture_free(&p);
+}
+
 /* A walk that ends early hides less than the threshold of what is behind, whose radiance is at most
  * 1 here. */
 static void a_threshold_keeps_its_word(void **state) {
-    static const char *const path = "scene:layers?count=300&alpha=0.03&width=16&height=16";
+    static const char *const path = "scene:burst?mean=60&spread=0.4&alpha=0.03&width=16&height=16";
     static const char *const settings[] = {"fpc.threshold=0.001", "fpc.threshold=0.05",
                                            "fpc.threshold=0.9"};
     static const double thresholds[] = {0.001, 0.05, 0.9};
@@ -226,6 +240,7 @@ static void a_threshold_keeps_its_word(void **state) {
                 largest = fmax(largest, fabs((double)p.pixels[k] - (double)exact.pixels[k]));
             assert_true(largest > 0);
             assert_true(largest <= thresholds[i]);
+            check_hybrid(sc, instance, settings[i], &p);
             picture_free(&p);
         }
         picture_free(&exact);

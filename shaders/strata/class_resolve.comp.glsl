@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// ppc, one class of pixels, one invocation a pixel: loads up to SIZE records' keys, sorts them in a
-// register network, and folds. Pixels with equal keys are left to tied.comp.glsl. SIZE 1 sorts nothing.
+// One class of pixels, one invocation a pixel: loads up to SIZE records' keys, sorts them in a
+// register network, and folds. Pixels with equal keys are left to class_tied.comp.glsl. SIZE 1 sorts nothing.
 #define STRATA_PAYLOAD_READ
 #include "strata/fragments.glsl"
 #include "strata/fold.glsl"
 #include "strata/scan.glsl"
 #include "strata/sort.glsl"
-#include "classes.glsl"
-#include "strata/output.glsl"
+#include "strata/classes.glsl"
+#include "strata/class_fold.glsl"
 
 CLASS_TABLE(readonly)
 layout(std430) readonly buffer Lists { uint lists[]; };
@@ -49,9 +49,8 @@ void main() {
     uvec2 range = strata_ranges[pixel];
     if (strata_needed > strata_capacity)
         return; // this attempt's pool is too small; the frame is recorded again
-    StrataElement walk = strata_fold_begin();
 #if SIZE == 1
-    strata_fold_step(walk, strata_event(strata_payload_load(range.x)));
+    uint sorted[1] = uint[1](range.x);
 #else
 #if STRATA_LAYOUT == 1
     uint slot = range.x;
@@ -68,8 +67,6 @@ void main() {
     }
     uint sorted[SIZE];
     REPEAT_SIZE(KEEP, 0u)
-    for (uint i = 0u; i < range.y; ++i)
-        strata_fold_step(walk, strata_event(strata_payload_load(sorted[i])));
 #endif
-    strata_output(pixel, walk);
+    CLASS_FOLD(pixel, sorted, range.y)
 }

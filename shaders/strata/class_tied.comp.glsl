@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// ppc, pixels of at most 64 fragments among which keys are equal: insertion sort by (key, order). Few
+// Classes, pixels of at most 64 fragments among which keys are equal: insertion sort by (key, order). Few
 // pixels as a rule; at most 2,016 moves each.
 #define STRATA_PAYLOAD_READ
 #include "strata/fragments.glsl"
 #include "strata/fold.glsl"
 #include "strata/scan.glsl"
-#include "strata/output.glsl"
+#include "strata/class_fold.glsl"
 
 #define SIZE 64
 
@@ -39,8 +39,5 @@ void main() {
         k[j] = key;
         s[j] = slot;
     }
-    StrataElement walk = strata_fold_begin();
-    for (uint i = 0u; i < range.y; ++i)
-        strata_fold_step(walk, strata_event(strata_payload_load(s[i])));
-    strata_output(pixel, walk);
+    CLASS_FOLD(pixel, s, range.y)
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// ppc, one invocation: the indirect dispatch of tied.comp.glsl.
+// Classes, one invocation: the indirect dispatch of class_tied.comp.glsl.
 #include "strata/scan.glsl"
-#include "classes.glsl"
+#include "strata/classes.glsl"
 
 CLASS_TABLE(restrict)
 layout(std430) readonly buffer TiedPool { uint tied_needed; uint tied_capacity; };

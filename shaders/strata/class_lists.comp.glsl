@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: MIT
 //
-// ppc, pass 3: writes each pixel into the list of its class; deep pixels also take their blocks. The
-// order within a list depends on scheduling, the image does not.
+// Classes, pass 2: writes each pixel into the list of its class; with CLASS_BLOCKS deep pixels also
+// take their blocks. The order within a list depends on scheduling, the image does not.
 #include "strata/fragments.glsl"
 #include "strata/scan.glsl"
-#include "classes.glsl"
+#include "strata/classes.glsl"
 
 #define PIXELS_PER_INVOCATION 16u
 
 CLASS_TABLE(restrict)
 layout(std430) writeonly buffer Lists { uint lists[]; };
+#ifdef CLASS_BLOCKS
 layout(std430) writeonly buffer DeepBase { uint deep_base[]; };
 #if STRATA_LAYOUT == 1
 layout(std430) writeonly buffer DeepIndex { uint deep_index[]; };
+#endif
 #endif
 shared uint group_count[CLASS_COUNT], group_offset[CLASS_COUNT];
 
@@ -45,6 +47,7 @@ void main() {
         uint c = class_of(count);
         uint at = group_offset[c] + atomicAdd(group_count[c], 1u);
         lists[at] = pixel;
+#ifdef CLASS_BLOCKS
         if (c == CLASS_DEEP) {
             uint deep = at - classes[CLASS_DEEP].offset;
             uint base = atomicAdd(cursor, (count + DEEP_BLOCK - 1u) / DEEP_BLOCK);
@@ -55,5 +58,6 @@ void main() {
             deep_index[pixel] = deep;
 #endif
         }
+#endif
     }
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// ppc, pass 1: pixels of each class, the largest count, blocks that the deep pixels will need.
+// Classes, pass 1: pixels of each class, the largest count, blocks that the deep pixels will need.
 #include "strata/fragments.glsl"
 #include "strata/scan.glsl"
-#include "classes.glsl"
+#include "strata/classes.glsl"
 
 #define PIXELS_PER_INVOCATION 16u
 

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The resources of a pass, gathered one by one: programs differ in what they use, so each pass
+ * lists its own.
+ */
+#ifndef STRATA_PLUGINS_BINDS_H
+#define STRATA_PLUGINS_BINDS_H
+
+#include "strata/strata.h"
+
+enum { BINDS_MAX = 16 };
+
+typedef struct binds {
+    strata_bind at[BINDS_MAX];
+    uint32_t count;
+} binds;
+
+static inline void binds_buffer(binds *b, const char *name, strata_buffer buffer) {
+    b->at[b->count++] =
+        (strata_bind){.struct_size = sizeof(strata_bind), .name = name, .buffer = buffer};
+}
+
+static inline void binds_image(binds *b, const char *name, strata_image image) {
+    b->at[b->count++] =
+        (strata_bind){.struct_size = sizeof(strata_bind), .name = name, .image = image};
+}
+
+static inline void binds_pool(binds *b, strata_pool pool) {
+    b->at[b->count++] = (strata_bind){.struct_size = sizeof(strata_bind), .pool = pool};
+}
+
+#endif

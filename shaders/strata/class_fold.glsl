@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+//
+// The fold of a pixel of at most 64 sorted slots, and its end; with CLASS_THRESHOLD where the walk
+// has ended, the rest being counted as lost.
+#include "strata/ended.glsl"
+#include "strata/loss.glsl"
+#include "strata/output.glsl"
+
+#ifdef CLASS_THRESHOLD
+STRATA_PARAMS { float threshold; } params;
+#define CLASS_ENDED(walk) strata_ended(walk, params.threshold)
+#define CLASS_LOSE(pixel, slot) strata_lose(pixel, strata_payload_load(slot))
+#else
+#define CLASS_ENDED(walk) false
+#define CLASS_LOSE(pixel, slot)
+#endif
+
+#define CLASS_FOLD(pixel, slots, count)                                                            \
+    {                                                                                              \
+        StrataElement walk = strata_fold_begin();                                                  \
+        uint at = 0u;                                                                              \
+        for (; at < count && !CLASS_ENDED(walk); ++at)                                             \
+            strata_fold_step(walk, strata_event(strata_payload_load(slots[at])));                  \
+        for (; at < count; ++at) {                                                                 \
+            CLASS_LOSE(pixel, slots[at]);                                                          \
+        }                                                                                          \
+        strata_output(pixel, walk);                                                                \
+    }
