@@ -63,6 +63,11 @@ static const exact_way ways[] = {
      .fact = "selftest.ordered_rmw"},
     {{.use = "kplus,ppc", .settings = {"kplus.k=0", "kplus.payload=unorm8"}, .bands = 5},
      .payload = "unorm8"},
+    {.way = {.use = "occupancy,kplus,ppc", .settings = {"kplus.k=64"}, .shuffle = 3}, .depth = 64},
+    {.way = {.use = "occupancy,kplus,ppc",
+             .settings = {"kplus.k=128", "kplus.memory=exact", "occupancy.buckets=1024"},
+             .bands = 3},
+     .depth = 128},
     /* one chunk is folded like any other pixel */
     {.way = {.use = "abuffer,fpc"}, .depth = 64},
     {.way = {.use = "abuffer,fpc", .settings = {"fpc.mode=hybrid"}}, .depth = 64},

@@ -2,8 +2,8 @@
  *
  * occupancy hides no fragment that belongs to the nearest k of its pixel, whatever the number of
  * buckets, and nothing where there are fewer; both backends, bands and orders of submission give
- * the same limit; everything it hides is counted. Read through the module `sieve`, which stores
- * whatever passes limit/1.
+ * the same limit; everything it hides is counted; before kplus it changes no bit. Read through the
+ * module `sieve`, which stores whatever passes limit/1.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -283,6 +283,43 @@ static void bands_and_orders_do_not_matter(void **state) {
     }
 }
 
+/* ---- in front of a capture that drops by itself ---------------------------------------------- */
+
+static void kplus_keeps_the_same(void **state) {
+    static const test_scene scenes[] = {
+        {"scene:soup?small=9000&medium=900", 48, 40, 60},
+        {"scene:hairball?strands=3000&segments=8&radius=0.03", 48, 48, 160},
+        {"scene:glass", 40, 30, 117},
+        {"scene:stack?count=40&opaque=1", 24, 24, 40},
+    };
+    static const char *const counts[] = {"kplus.k=1", "kplus.k=4", "kplus.k=8", "kplus.k=31",
+                                         "kplus.k=64"};
+    strata **instances = *state;
+    for (size_t i = 0; i < 2 * sizeof scenes / sizeof *scenes; ++i) {
+        const test_scene *s = &scenes[i / 2];
+        strata *instance = instances[i % 2];
+        if (!instance)
+            continue;
+        strata_scene *sc = picture_scene(instance, s->path);
+        for (size_t k = 0; k < sizeof counts / sizeof *counts; ++k) {
+            char what[256];
+            const way alone = {.use = "kplus,ppc", .settings = {counts[k]}},
+                      limited = {.use = "occupancy,kplus,ppc",
+                                 .settings = {counts[k]},
+                                 .bands = k % 2 ? 3 : 0};
+            picture a = picture_render(sc, instance, &alone, s->width, s->height);
+            const uint64_t total = instance->session->report.total;
+            picture b = picture_render(sc, instance, &limited, s->width, s->height);
+            snprintf(what, sizeof what, "%s on %s, %s", s->path, instance->backend, counts[k]);
+            picture_same(&a, &b, what);
+            assert_int_equal(instance->session->report.before, total);
+            picture_free(&a);
+            picture_free(&b);
+        }
+        strata_scene_close(sc);
+    }
+}
+
 /* ---- what it is good for --------------------------------------------------------------------- */
 
 /* In percent, k = 8; the ideal is 8 of 41.5 fragments, 19 %. */
@@ -312,6 +349,7 @@ int main(void) {
         cmocka_unit_test(the_nearest_k_pass),
         cmocka_unit_test(hard_depths_pass),
         cmocka_unit_test(bands_and_orders_do_not_matter),
+        cmocka_unit_test(kplus_keeps_the_same),
         cmocka_unit_test(few_survive),
     };
     return cmocka_run_group_tests(tests, open_instances, close_instances);
