@@ -100,6 +100,7 @@ typedef struct strata_view {
 /* ---- record and verify ------------------------------------------------------------------------ */
 
 /* What verify() reports; each at most once a frame, summed over bands by the host (MAX_: largest). */
+/* Of a clip technique the total alone counts: then it is the frame's, with what limit/1 hides. */
 #define STRATA_REPORT_FRAGMENTS_TOTAL 1u   /* fragments that reached the technique */
 #define STRATA_REPORT_FRAGMENTS_KEPT 2u
 #define STRATA_REPORT_FRAGMENTS_DROPPED 3u /* by design (k) or for want of room */
