@@ -17,12 +17,12 @@
 
 static const char *const backends[] = {"null", "vulkan", "gl"};
 
-static strata *rendered(const char *backend, const char *path) {
+static strata *rendered(const char *backend, const char *path, const char *use) {
     strata *instance = NULL;
     strata_scene *sc = NULL;
     const strata_open_options open = {.struct_size = sizeof open, .backend = backend};
     const strata_render_options options = {
-        .struct_size = sizeof options, .width = 64, .height = 48};
+        .struct_size = sizeof options, .width = 64, .height = 48, .use = use};
     assert_int_equal(strata_open(&open, &instance), STRATA_OK);
     if (strata_scene_load(instance, path, &sc) != STRATA_OK)
         fail_msg("%s: %s", path, strata_error(instance));
@@ -54,7 +54,7 @@ static void an_opaque_scene_pays_nothing(void **state) {
     static const char *const transparent[] = {"abuffer", "ppc", "over", "transmission"};
     (void)state;
     for (size_t b = 0; b < 3; ++b) {
-        strata *instance = rendered(backends[b], "scene:city?count=200&glass=0");
+        strata *instance = rendered(backends[b], "scene:city?count=200&glass=0", NULL);
         if (!instance)
             continue;
         json_t *object = account(instance);
@@ -81,7 +81,7 @@ static void an_opaque_scene_pays_nothing(void **state) {
 static void plain_transparency_stores_no_transmission(void **state) {
     (void)state;
     for (size_t b = 0; b < 3; ++b) {
-        strata *instance = rendered(backends[b], "scene:soup?small=300&medium=20");
+        strata *instance = rendered(backends[b], "scene:soup?small=300&medium=20", "abuffer,ppc");
         if (!instance)
             continue;
         json_t *object = account(instance);
@@ -103,7 +103,7 @@ static void plain_transparency_stores_no_transmission(void **state) {
 
 static void several_effects_store_their_union(void **state) {
     (void)state;
-    strata *instance = rendered("null", "scene:glass");
+    strata *instance = rendered("null", "scene:glass", NULL);
     assert_non_null(instance);
     const plan *p = instance->session->plan;
     assert_int_equal(p->active_effects, 2);
@@ -130,6 +130,7 @@ static void memory_is_what_the_formula_says(void **state) {
             const strata_render_options options = {.struct_size = sizeof options,
                                                    .width = 256,
                                                    .height = 256,
+                                                   .use = "abuffer,ppc",
                                                    .settings = &cases[i].setting,
                                                    .setting_count = 1};
             assert_int_equal(strata_open(&open, &instance), STRATA_OK);

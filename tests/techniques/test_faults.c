@@ -41,13 +41,14 @@ static strata_scene *load(strata *s, const char *path) {
     return sc;
 }
 
-static const char *used_mode; /* a setting for render, or NULL */
+static const char *used_mode; /* of abuffer, for render; NULL: the plan's own choice */
 
 static strata_result render(strata *s, strata_scene *sc) {
     return strata_render(s, sc,
                          &(strata_render_options){.struct_size = sizeof(strata_render_options),
                                                   .width = WIDTH,
                                                   .height = HEIGHT,
+                                                  .use = used_mode ? "abuffer,ppc" : NULL,
                                                   .settings = &used_mode,
                                                   .setting_count = used_mode != NULL,
                                                   .repeat = 2});
