@@ -13,7 +13,12 @@
  * emit() writes the fields that the effect declares (payload.FIELD, a float or vecN) at capture;
  * event() turns them into an element at resolve. StrataElement is { vec4 color; STRATA_TRANSMITTANCE
  * transmittance; } where STRATA_TRANSMITTANCE is float or vec3 for the frame. All arithmetic that
- * reaches the element is `precise`, so that every technique computes the same bits.
+ * reaches the element is `precise`, so that every technique computes the same bits. Transmittances
+ * and alphas lie in [0, 1].
+ *
+ * Certificates of error evaluate event() at payloads of zeros and ones to learn how what rounds a
+ * payload reaches the element. That is sound for events that are affine (STRATA_EFFECT_AFFINE); any other
+ * is taken at its word where the payload is exact, and uncertified where it is not.
  */
 #ifndef STRATA_EFFECT_H
 #define STRATA_EFFECT_H
@@ -42,7 +47,14 @@ typedef struct strata_need {
     double threshold;
 } strata_need;
 
-#define STRATA_EFFECT_SEQUENTIAL 1u /* flags: its walk has no associative form */
+/* Flags. */
+#define STRATA_EFFECT_SEQUENTIAL 1u /* its walk has no associative form */
+/* event(): each output is a constant plus channels of the payload, each times a constant of magnitude
+ * 1e-3 to 1e3 or zero, evaluated with no more roundings than that form has. */
+#define STRATA_EFFECT_AFFINE 2u
+/* What emit() and event() make of a surface that transmits nothing (tint zero) has alpha 1 - T and
+ * colours of at most surface.color (1 - T). */
+#define STRATA_EFFECT_COVERS 4u
 
 typedef struct strata_effect {
     uint32_t struct_size;

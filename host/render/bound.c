@@ -32,12 +32,38 @@ static int certifies(const render_session *session) {
     return 1; /* nothing is folded */
 }
 
+/* The largest radiance that leaves a transparent surface, where the scene itself guarantees one:
+ * unlit materials under effects that cover. Textures hold at most 1. */
+static float radiance(const render_session *session) {
+    const scene *sc = session->scene;
+    float largest = 0, colors = 1;
+    for (uint32_t i = 0; i < sc->mesh_count; ++i)
+        for (uint32_t k = 0; sc->meshes[i].colors && k < sc->meshes[i].vertex_count; ++k)
+            for (int c = 0; c < 3; ++c)
+                colors = fmaxf(colors, sc->meshes[i].colors[4 * (size_t)k + (size_t)c]);
+    for (uint32_t i = 0; i < sc->material_count; ++i) {
+        const scene_material *m = &sc->materials[i];
+        const plan_effect *effect = plan_material_effect(session->plan, m);
+        if (!effect)
+            continue;
+        if (!m->unlit || !(effect->effect->flags & STRATA_EFFECT_COVERS))
+            return 3.4e38f;
+        for (int c = 0; c < 3; ++c)
+            largest = fmaxf(largest, m->base_color[c]);
+    }
+    return largest * colors * 1.0001f;
+}
+
 strata_result render_bound_create(render_session *session, base_error *err) {
     gpu *g = session->owner->gpu;
-    char words[16];
+    char words[32];
     snprintf(words, sizeof words, "%uu", loss_words(session->plan));
     strata_result r = gpu_set_define(g, "STRATA_BOUND", session->certify ? words : NULL, err);
     if (r != STRATA_OK || !session->certify)
+        return r;
+    snprintf(words, sizeof words, "%.9e", (double)radiance(session));
+    r = gpu_set_define(g, "STRATA_RADIANCE", words, err);
+    if (r != STRATA_OK)
         return r;
     const strata_image_desc bound = {.struct_size = sizeof bound,
                                      .label = "bound/1",
@@ -51,7 +77,13 @@ strata_result render_bound_create(render_session *session, base_error *err) {
     r = gpu_image_create(session->scope, &bound, &session->bound, err);
     if (r == STRATA_OK && session->samples > 1)
         r = gpu_image_create(session->scope, &pixels, &session->image_bound, err);
-    return r;
+    if (r != STRATA_OK)
+        return r;
+    return gpu_set_global(g, "strata_bound",
+                          &(strata_bind){.struct_size = sizeof(strata_bind),
+                                         .name = "strata_bound",
+                                         .image = session->bound},
+                          err);
 }
 
 strata_result render_bound_prepare(render_session *session, base_error *err) {

@@ -8,6 +8,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const char *type_of(uint32_t channels) {
     static const char *const types[] = {"float", "vec2", "vec3", "vec4"};
@@ -15,10 +16,15 @@ static const char *type_of(uint32_t channels) {
 }
 
 /* "payload.NAME" or "payload.NAME.x". */
+static void channel_name(const plan_field *field, uint32_t channel, char *out, size_t size) {
+    const char swizzle[] = {field->channels > 1 ? '.' : '\0', "xyzw"[channel], '\0'};
+    snprintf(out, size, "payload.%s%s", field->name, swizzle);
+}
+
 static void add_channel(base_text *text, const plan_field *field, uint32_t channel) {
-    base_text_add(text, "payload.%s", field->name);
-    if (field->channels > 1)
-        base_text_add(text, ".%c", "xyzw"[channel]);
+    char name[96];
+    channel_name(field, channel, name, sizeof name);
+    base_text_add(text, "%s", name);
 }
 
 static const char *encoder(uint32_t bits) {
@@ -29,25 +35,112 @@ static const char *decoder(uint32_t bits) {
     return bits == 32 ? "uintBitsToFloat" : bits == 16 ? "strata_from_half" : "strata_from_unorm8";
 }
 
-static void add_structs(base_text *text, const plan *p) {
+static void add_structs(base_text *text, const plan *p, int certify) {
     const plan_payload *payload = &p->payload;
     base_text_add(text, "#ifndef STRATA_EFFECTS_GLSL\n#define STRATA_EFFECTS_GLSL\n"
                         "#include \"strata/surface.glsl\"\n#include \"strata/pack.glsl\"\n");
     base_text_add(text, "#define STRATA_TRANSMITTANCE %s\n",
                   p->transmittance_channels == 3 ? "vec3" : "float");
-    base_text_add(text, "struct StrataElement {\n    vec4 color;\n    STRATA_TRANSMITTANCE "
-                        "transmittance;\n};\nstruct StrataPayload {\n");
+    /* With a certificate what effects call StrataElement is an event, an element without errors. */
+    base_text_add(text,
+                  "struct %s {\n    vec4 color;\n    STRATA_TRANSMITTANCE transmittance;\n};\n",
+                  certify ? "StrataEvent" : "StrataElement");
+    if (certify)
+        base_text_add(text, "struct StrataElement {\n    vec4 color;\n"
+                            "    STRATA_TRANSMITTANCE transmittance;\n    vec4 color_error;\n"
+                            "    STRATA_TRANSMITTANCE transmittance_error;\n};\n"
+                            "#include \"strata/certificate.glsl\"\n"
+                            "#include \"strata/error.glsl\"\n");
+    base_text_add(text, "struct StrataPayload {\n");
     for (uint32_t i = 0; i < payload->field_count; ++i)
         base_text_add(text, "    %s %s;\n", type_of(payload->fields[i].channels),
                       payload->fields[i].name);
-    base_text_add(text, "};\n");
+    base_text_add(text, "};\n%s", certify ? "#define StrataElement StrataEvent\n" : "");
     for (uint32_t i = 0; i < p->effect_count; ++i)
         if (p->effects[i].active)
             base_text_add(text, "#include \"effects/%s.glsl\"\n", p->effects[i].effect->id);
+    base_text_add(text, "%s", certify ? "#undef StrataElement\n" : "");
+}
+
+/* StrataPayload of zeros. */
+static void add_zeros(base_text *text, const plan_payload *payload) {
+    base_text_add(text, "StrataPayload(");
+    for (uint32_t i = 0; i < payload->field_count; ++i)
+        base_text_add(text, "%s%s(0.0)", i ? ", " : "", type_of(payload->fields[i].channels));
+    base_text_add(text, ")");
+}
+
+static int declares(const modules_effect_note *effect, const char *field) {
+    for (uint32_t i = 0; i < effect->field_count; ++i)
+        if (strcmp(effect->payload[i]->name, field) == 0)
+            return 1;
+    return 0;
+}
+
+/* NAME_within: an effect's element with its errors, from the payload's precision. Its constants are
+ * the compiler's to fold. */
+static void add_within(base_text *text, const plan *p, const modules_effect_note *effect) {
+    static const char *const quanta[] = {"0.0", "strata_quantum_half(%s)",
+                                         "strata_quantum_unorm8(%s)"};
+    const plan_payload *payload = &p->payload;
+    int exact = 1;
+    base_text_add(text,
+                  "StrataElement %s_within(StrataPayload payload, out StrataWithin within) {\n",
+                  effect->id);
+    if (!(effect->flags & STRATA_EFFECT_AFFINE)) {
+        for (uint32_t f = 0; f < payload->field_count; ++f)
+            exact &=
+                !declares(effect, payload->fields[f].name) || payload->fields[f].at[0].bits == 32;
+        base_text_add(text, "    return strata_spread_opaque(%s_event(payload), %s, within);\n}\n",
+                      effect->id, exact ? "true" : "false");
+        return;
+    }
+    base_text_add(text, "    StrataPayload one = ");
+    add_zeros(text, payload);
+    base_text_add(text,
+                  ";\n    StrataEvent zero = %s_event(one);\n"
+                  "    StrataSpread spread = strata_spread_begin(zero);\n",
+                  effect->id);
+    for (uint32_t f = 0; f < payload->field_count; ++f)
+        for (uint32_t c = 0;
+             declares(effect, payload->fields[f].name) && c < payload->fields[f].channels; ++c) {
+            char name[96], quantum[160];
+            channel_name(&payload->fields[f], c, name, sizeof name);
+            const uint32_t bits = payload->fields[f].at[c].bits;
+            snprintf(quantum, sizeof quantum, quanta[bits == 32 ? 0 : bits == 16 ? 1 : 2], name);
+            base_text_add(text,
+                          "    one%s = 1.0;\n"
+                          "    strata_spread_add(spread, zero, %s_event(one), %s, %s);\n"
+                          "    one%s = 0.0;\n",
+                          strchr(name, '.'), effect->id, name, quantum, strchr(name, '.'));
+        }
+    base_text_add(text, "    return strata_spread_end(spread, %s_event(payload), within);\n}\n",
+                  effect->id);
+}
+
+/* A payload beyond the range of its precision is cut off, which no rounding bounds. */
+static void add_range_check(base_text *text, const plan_payload *payload) {
+    const char *separator = "    if (!(";
+    base_text_add(text, "#ifdef STRATA_STAGE_FRAGMENT\n");
+    for (uint32_t f = 0; f < payload->field_count; ++f)
+        for (uint32_t c = 0; c < payload->fields[f].channels; ++c) {
+            char name[96];
+            const uint32_t bits = payload->fields[f].at[c].bits;
+            channel_name(&payload->fields[f], c, name, sizeof name);
+            if (bits == 32)
+                continue;
+            base_text_add(text, "%sstrata_fits_%s(%s)", separator, bits == 16 ? "half" : "unorm8",
+                          name);
+            separator = " && ";
+        }
+    if (strcmp(separator, " && ") == 0)
+        base_text_add(text,
+                      "))\n        strata_uncertified(strata_pixel(uvec2(gl_FragCoord.xy)));\n");
+    base_text_add(text, "#endif\n");
 }
 
 /* emit and event: straight calls with one active effect, a choice by number with several. */
-static void add_calls(base_text *text, const plan *p) {
+static void add_calls(base_text *text, const plan *p, int certify) {
     const plan_payload *payload = &p->payload;
     const int several = p->active_effects > 1;
     base_text_add(text, "#ifdef STRATA_PAYLOAD_WRITE\n");
@@ -55,10 +148,9 @@ static void add_calls(base_text *text, const plan *p) {
         base_text_add(text, "layout(std430) readonly buffer StrataMaterialEffects { uint "
                             "strata_material_effect[]; };\n");
     base_text_add(text, "StrataPayload strata_emit(StrataSurface surface) {\n"
-                        "    StrataPayload payload = StrataPayload(");
-    for (uint32_t i = 0; i < payload->field_count; ++i)
-        base_text_add(text, "%s%s(0.0)", i ? ", " : "", type_of(payload->fields[i].channels));
-    base_text_add(text, ");\n");
+                        "    StrataPayload payload = ");
+    add_zeros(text, payload);
+    base_text_add(text, ";\n");
     if (several)
         base_text_add(text, "    uint effect = strata_material_effect[surface.material];\n"
                             "    payload.id = float(effect);\n");
@@ -69,16 +161,28 @@ static void add_calls(base_text *text, const plan *p) {
             base_text_add(text, "    if (effect == %uu)\n    ", p->effects[i].index);
         base_text_add(text, "    %s_emit(surface, payload);\n", p->effects[i].effect->id);
     }
-    base_text_add(text, "    return payload;\n}\n#endif\n"
-                        "StrataElement strata_event(StrataPayload payload) {\n");
+    if (certify)
+        add_range_check(text, payload);
+    base_text_add(text, "    return payload;\n}\n#endif\n");
+    for (uint32_t i = 0; i < p->effect_count && certify; ++i)
+        if (p->effects[i].active)
+            add_within(text, p, p->effects[i].effect);
+    base_text_add(text, certify ? "StrataElement strata_event_within(StrataPayload payload, out "
+                                  "StrataWithin within) {\n"
+                                : "StrataElement strata_event(StrataPayload payload) {\n");
     for (uint32_t i = 0; i < p->effect_count; ++i) {
         if (!p->effects[i].active)
             continue;
         if (several && p->effects[i].index + 1 < p->active_effects)
             base_text_add(text, "    if (payload.id == %u.0)\n    ", p->effects[i].index);
-        base_text_add(text, "    return %s_event(payload);\n", p->effects[i].effect->id);
+        base_text_add(text, "    return %s_%s;\n", p->effects[i].effect->id,
+                      certify ? "within(payload, within)" : "event(payload)");
     }
     base_text_add(text, "}\n");
+    if (certify)
+        base_text_add(text, "StrataElement strata_event(StrataPayload payload) {\n"
+                            "    StrataWithin within;\n"
+                            "    return strata_event_within(payload, within);\n}\n");
 }
 
 /* STRATA_PAYLOAD_ACCESS: how the program touches the planes (coherent, for one), in place of what
@@ -212,8 +316,8 @@ strata_result render_effects(render_session *session, base_error *err) {
         return gpu_set_include(g, "strata/effects.glsl", NULL, err);
     snprintf(layout, sizeof layout, "%u", p->layout);
     snprintf(channels, sizeof channels, "%u", p->transmittance_channels);
-    add_structs(&text, p);
-    add_calls(&text, p);
+    add_structs(&text, p, (int)session->certify);
+    add_calls(&text, p, (int)session->certify);
     add_planes(&text, &p->payload);
     base_text_add(&text, "#ifdef STRATA_PAYLOAD_WRITE\n");
     add_store(&text, &p->payload);

@@ -16,6 +16,7 @@ static const strata_need *const needs[] = {&blend};
 
 static const strata_effect over = {
     .struct_size = sizeof(strata_effect),
+    .flags = STRATA_EFFECT_AFFINE | STRATA_EFFECT_COVERS,
     .id = "over",
     .title = "transparency: surfaces cover what lies behind them in part",
     .reference = "Porter and Duff, Compositing Digital Images, SIGGRAPH 1984",

@@ -4,3 +4,8 @@
 #include "strata/classes.glsl"
 
 #define WALK_CHUNK 32768u // fragments that one invocation folds: well below drivers' loop budgets
+#ifdef STRATA_BOUND
+#define WALK_STATE 8u // pairs of floats that a fold's state takes
+#else
+#define WALK_STATE 4u
+#endif

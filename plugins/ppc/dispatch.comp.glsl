@@ -24,7 +24,7 @@ void main() {
     deep_needed = classes[CLASS_DEEP].count;
     block_needed = blocks;
     slot_needed = blocks > 0xffffffffu / DEEP_BLOCK ? 0xffffffffu : blocks * DEEP_BLOCK;
-    walk_needed = largest > WALK_CHUNK ? classes[CLASS_DEEP].count : 0u;
+    walk_needed = largest > WALK_CHUNK ? WALK_STATE * classes[CLASS_DEEP].count : 0u;
     bool fits = strata_needed <= strata_capacity && deep_needed <= deep_capacity &&
                 block_needed <= block_capacity && slot_needed <= slot_capacity &&
                 walk_needed <= walk_capacity;

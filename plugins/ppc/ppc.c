@@ -97,9 +97,9 @@ static strata_result prepare_pools(ppc *p) {
         {&p->walk,
          {.label = "walks",
           .counter_name = "WalkPool",
-          .plane_count = 4,
-          .plane_names = {"WalkState0", "WalkState1", "WalkState2", "WalkState3"},
-          .plane_strides = {8, 8, 8, 8}}},
+          .plane_count = 1,
+          .plane_names = {"WalkState"},
+          .plane_strides = {8}}},
         {&p->index,
          {.label = "deep index",
           .counter_name = "IndexPool",
@@ -284,7 +284,11 @@ static const strata_slot_use fragments_use = {.struct_size = sizeof(strata_slot_
                                                          1u << STRATA_FRAGMENTS_LINKED};
 static const strata_slot_use color_use = {
     .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_UPDATES, .slot = "color/1"};
-static const strata_slot_use *const slots[] = {&fragments_use, &color_use};
+static const strata_slot_use bound_use = {.struct_size = sizeof(strata_slot_use),
+                                          .use = STRATA_SLOT_UPDATES,
+                                          .slot = "bound/1",
+                                          .optional = 1};
+static const strata_slot_use *const slots[] = {&fragments_use, &color_use, &bound_use};
 
 static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),
@@ -307,7 +311,7 @@ static const strata_technique technique = {
     .reference = "Patney, Tzeng, Owens 2010; Knowles, Leach, Zambetta 2012-2014",
     .stage = "resolve",
     .slots = slots,
-    .slot_count = 2,
+    .slot_count = 3,
     .promises = &promises,
     .cost = &cost,
     .estimate = estimate,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // ppc, deep pixels, last: folds the sorted slots params.first .. params.first + WALK_CHUNK - 1 of each
-// pixel, in order, so that the bits are those of one long fold; the state waits in WalkState.
+// pixel, in order, so that the bits are those of one long fold; the state waits in
+// WalkState.
 #define STRATA_PAYLOAD_READ
 #include "strata/fragments.glsl"
 #include "strata/fold.glsl"
@@ -11,27 +12,26 @@
 
 layout(std430) readonly buffer Slots0 { uint slots0[]; };
 layout(std430) readonly buffer Slots1 { uint slots1[]; };
-layout(std430) buffer WalkState0 { vec2 walk_state0[]; };
-layout(std430) buffer WalkState1 { vec2 walk_state1[]; };
-layout(std430) buffer WalkState2 { vec2 walk_state2[]; };
-layout(std430) buffer WalkState3 { vec2 walk_state3[]; };
+layout(std430) buffer WalkState { vec2 walk_state[]; };
 STRATA_PARAMS { uint side; uint first; } params;
 
 StrataElement load_state(uint deep) {
-    vec4 t = vec4(walk_state2[deep], walk_state3[deep]);
-#if STRATA_CHANNELS == 3
-    return StrataElement(vec4(walk_state0[deep], walk_state1[deep]), t.rgb);
-#else
-    return StrataElement(vec4(walk_state0[deep], walk_state1[deep]), t.r);
-#endif
+    vec4 parts[STRATA_ELEMENT_PARTS];
+    for (uint i = 0u; i < STRATA_ELEMENT_PARTS; ++i) {
+        uint at = deep * WALK_STATE + 2u * i;
+        parts[i] = vec4(walk_state[at], walk_state[at + 1u]);
+    }
+    return strata_element_join(parts);
 }
 
 void store_state(uint deep, StrataElement walk) {
-    vec4 t = strata_transmittance4(walk);
-    walk_state0[deep] = walk.color.xy;
-    walk_state1[deep] = walk.color.zw;
-    walk_state2[deep] = t.xy;
-    walk_state3[deep] = t.zw;
+    vec4 parts[STRATA_ELEMENT_PARTS];
+    strata_element_split(walk, parts);
+    for (uint i = 0u; i < STRATA_ELEMENT_PARTS; ++i) {
+        uint at = deep * WALK_STATE + 2u * i;
+        walk_state[at] = parts[i].xy;
+        walk_state[at + 1u] = parts[i].zw;
+    }
 }
 
 void main() {

@@ -18,6 +18,7 @@ static const strata_need *const needs[] = {&need};
 
 static const strata_effect transmission = {
     .struct_size = sizeof(strata_effect),
+    .flags = STRATA_EFFECT_AFFINE | STRATA_EFFECT_COVERS,
     .id = "transmission",
     .title = "coloured transmission through thin sheets",
     .reference = "KHR_materials_transmission, glTF 2.0",

@@ -11,7 +11,9 @@ layout(rgba32f) uniform image2D color;
 
 void strata_output(uint pixel, StrataElement walk) {
     ivec2 at = ivec2(strata_position(pixel));
-    imageStore(color, at, strata_fold_end(walk, imageLoad(color, at)));
+    vec4 behind = imageLoad(color, at);
+    imageStore(color, at, strata_fold_end(walk, behind));
+    strata_certify(pixel, walk, behind);
 }
 
 #endif

@@ -6,9 +6,11 @@
  *   crossing  triangles that pass through each other, some opaque
  *   ties      transparent on opaque at the same depth, depths 0 and 1, in exact arithmetic
  *   inside    the eye among triangles that reach behind it; camera 0 infinite, 1 with a far plane
- *   mirror    one mesh placed by turns, mirrors and uneven scales; faces without a back; alpha
- * tests edges     corners and edges on pixel centres, each pixel covered once; and mirrored bright
- * colours beyond the range of a half, alphas from 0 to 1 opaque    nothing transparent at all
+ *   mirror    one mesh placed by turns, mirrors, uneven scales; faces without a back; alpha tests
+ *   edges     corners and edges on pixel centres, each pixel covered once; and mirrored
+ *   bright    colours beyond the range of a half, alphas from 0 to 1
+ *   clear     alphas of zero and nearly so, with light of their own
+ *   opaque    nothing transparent at all
  */
 #include "oracle/oracle.h"
 
@@ -239,6 +241,24 @@ static void bright(world *w) {
     camera(w, ORTHOGRAPHIC, "");
 }
 
+/* Glass so clear that it only adds light, between layers that hide nearly nothing and everything.
+ */
+static void clear(world *w) {
+    static const double alphas[] = {0, 0x1p-20, 0, 0.5, 1 - 0x1p-24, 0, 0x1p-24, 1, 0, 0.25};
+    float corners[18];
+    for (unsigned i = 0; i < BASE_COUNT(alphas); i++) {
+        char json[256];
+        snprintf(json, sizeof json,
+                 "{\"alphaMode\":\"BLEND\",\"emissiveFactor\":[%g,0.25,%g],"
+                 "\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,%.9g]}}",
+                 0.9 - 0.08 * i, 0.1 * i, alphas[i]);
+        const float at = 0.06f * (float)i;
+        quad(corners, -0.8f + at, -0.9f + at, 0.4f + at, 0.3f + at, -0.05f * (float)(i + 1));
+        node(w, "mesh", triangles(w, corners, 2, material_json(w, json), 0), "");
+    }
+    camera(w, ORTHOGRAPHIC, "");
+}
+
 static void opaque(world *w) {
     scatter(w, 3, SOLID | DOUBLE, 1, 1);
     camera(w, PERSPECTIVE("\"znear\":0.5,\"zfar\":20"), ",\"translation\":[0,0,3]");
@@ -248,8 +268,9 @@ unsigned char *oracle_scene_build(const char *name, size_t *size) {
     static const struct {
         const char *name;
         void (*build)(world *w);
-    } scenes[] = {{"crossing", crossing}, {"ties", ties},   {"inside", inside}, {"mirror", mirror},
-                  {"slivers", slivers},   {"edges", edges}, {"bright", bright}, {"opaque", opaque}};
+    } scenes[] = {{"crossing", crossing}, {"ties", ties},       {"inside", inside},
+                  {"mirror", mirror},     {"slivers", slivers}, {"edges", edges},
+                  {"bright", bright},     {"opaque", opaque},   {"clear", clear}};
     for (size_t i = 0; i < BASE_COUNT(scenes); i++)
         if (strcmp(scenes[i].name, name) == 0) {
             world w = {.random = 1};

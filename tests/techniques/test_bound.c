@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Certificates are held to their word: wherever bound/1 states a number, the picture is no further
+ * from the exact one, which the fold oracle computes in double from all fragments at full
+ * precision. And they are not useless: the median of bound over error is printed, and limited where
+ * it matters.
+ */
+#include "oracle/oracle.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* One way to render with a certificate. */
+typedef struct certified_way {
+    const char *use, *settings[3]; /* settings end at NULL */
+    uint32_t bands;
+    double loosest; /* on soup, the median of bound over error may not exceed it; 0: it may */
+} certified_way;
+
+typedef struct exact_picture {
+    double *color; /* [height][width][4], row 0 = bottom */
+    size_t channels;
+    size_t *count; /* fragments of a pixel */
+} exact_picture;
+
+typedef struct tally {
+    double *slack; /* bound over error, of channels whose error is not zero */
+    size_t slack_count;
+    double worst, largest; /* error over bound; bound */
+    uint64_t certified, uncertified;
+} tally;
+
+static exact_picture make_exact(strata *s, strata_scene *sc, const oracle_case *k) {
+    oracle_capture c;
+    oracle_capture_frame(s, sc, k, &c);
+    const size_t pixels = (size_t)c.width * c.height;
+    exact_picture out = {.channels = pixels * 4,
+                         .color = base_calloc(pixels * 4, sizeof *out.color),
+                         .count = base_calloc(pixels, sizeof *out.count)};
+    assert_true(out.color && out.count);
+    for (size_t p = 0; p < pixels; p++) {
+        oracle_value value[4];
+        oracle_sort(c.records + c.first[p], out.count[p] = c.first[p + 1] - c.first[p]);
+        if (c.plan->transparent)
+            oracle_fold(c.plan, c.records + c.first[p], out.count[p], c.behind + 4 * p, value);
+        for (int i = 0; i < 4; i++)
+            out.color[4 * p + (size_t)i] =
+                c.plan->transparent ? value[i].value : (double)c.behind[4 * p + (size_t)i];
+    }
+    oracle_capture_free(&c);
+    return out;
+}
+
+static void free_exact(exact_picture *e) {
+    free(e->color);
+    free(e->count);
+}
+
+static int ascending(const void *a, const void *b) {
+    const double left = *(const double *)a, right = *(const double *)b;
+    return left < right ? -1 : left > right;
+}
+
+static void render_certified(strata *s, strata_scene *sc, const oracle_case *k,
+                             const certified_way *w) {
+    strata_render_options options = {.struct_size = sizeof options,
+                                     .width = k->width,
+                                     .height = k->height,
+                                     .use = w->use,
+                                     .camera = k->camera,
+                                     .settings = w->settings,
+                                     .bands = w->bands,
+                                     .outputs = STRATA_OUTPUT_BOUND,
+                                     .background = {0.1f, 0.2f, 0.4f, 1.0f},
+                                     .has_background = 1};
+    while (options.setting_count < 3 && w->settings[options.setting_count])
+        options.setting_count++;
+    if (strata_render(s, sc, &options) != STRATA_OK)
+        fail_msg("%s, %s: %s", k->scene, w->use, strata_error(s));
+}
+
+static tally judge(const strata *s, const exact_picture *e, const char *what) {
+    const float *color = s->result.color.pixels, *bound = s->result.bound.map.pixels;
+    tally t = {.slack = base_calloc(e->channels, sizeof *t.slack)};
+    assert_non_null(t.slack);
+    for (size_t i = 0; i < e->channels; i++) {
+        const double error = fabs((double)color[i] - e->color[i]), b = (double)bound[i];
+        if (isinf(b)) {
+            t.uncertified++;
+            continue;
+        }
+        t.certified++;
+        if (!(error <= b))
+            fail_msg("%s: channel %zu of pixel %zu, %zu fragments: %.9g is %.3g off %.9g, the "
+                     "certificate says %.3g",
+                     what, i % 4, i / 4, e->count[i / 4], (double)color[i], error, e->color[i], b);
+        if (e->count[i / 4] == 0)
+            assert_true(b == 0);
+        t.largest = fmax(t.largest, b);
+        if (error > 0) {
+            t.slack[t.slack_count++] = b / error;
+            t.worst = fmax(t.worst, error / b);
+        }
+    }
+    qsort(t.slack, t.slack_count, sizeof *t.slack, ascending);
+    return t;
+}
+
+/* Every way on one scene. Returns how many channels were certified. Where many pixels differ in
+ * what they hold the median is limited; a scene of equal pixels may be lucky in all of them. */
+static uint64_t hold(strata *s, const oracle_case *k, const certified_way *ways, size_t count) {
+    strata_scene *sc = oracle_scene(s, k->scene);
+    exact_picture exact = make_exact(s, sc, k);
+    uint64_t certified = 0;
+    for (size_t i = 0; i < count; i++) {
+        char what[256];
+        snprintf(what, sizeof what, "%s, %s %s %s", k->scene, ways[i].use,
+                 ways[i].settings[0] ? ways[i].settings[0] : "",
+                 ways[i].settings[0] && ways[i].settings[1] ? ways[i].settings[1] : "");
+        render_certified(s, sc, k, &ways[i]);
+        tally t = judge(s, &exact, what);
+        const double median = t.slack_count ? t.slack[t.slack_count / 2] : 0;
+        print_message("  %-88s bound <= %-9.3g error <= %.2f bound, median bound/error %-6.3g "
+                      "uncertified %.1f %%\n",
+                      what, t.largest, t.worst, median,
+                      100.0 * (double)t.uncertified / (double)exact.channels);
+        if (ways[i].loosest > 0 && strstr(k->scene, "soup"))
+            assert_true(median <= ways[i].loosest);
+        certified += t.certified;
+        free(t.slack);
+    }
+    free_exact(&exact);
+    strata_scene_close(sc);
+    return certified;
+}
+
+/* ---- cases ----------------------------------------------------------------------------------- */
+
+static const oracle_case scenes[] = {
+    {ORACLE_FRAME("scene:soup?small=1500&medium=150&depth=14", 64, 48)},
+    {ORACLE_FRAME("scene:glass?detail=1&smoke=300", 64, 48)},
+    {ORACLE_FRAME("scene:shells?count=5&subdivision=2&transmission=0.6", 48, 48)},
+    {ORACLE_FRAME("scene:particles?count=600&radius=0.08", 48, 48)},
+    {ORACLE_FRAME("scene:stack?count=100&alpha=0.05", 32, 32)},
+    {ORACLE_FRAME("scene:layers?count=65&width=24&height=16&alpha=0.05", 24, 16)},
+    {ORACLE_FRAME("own:crossing", 48, 48)},
+    {ORACLE_FRAME("own:clear", 32, 32)},
+    {ORACLE_FRAME("own:opaque", 16, 16)},
+};
+
+static void test_payloads(void **state) {
+    static const certified_way ways[] = {
+        {"abuffer,ppc", {"abuffer.payload=float"}, 0, 100},
+        {"abuffer,ppc", {"abuffer.mode=linked", "abuffer.payload=half"}, 0, 20},
+        {"abuffer,ppc", {"abuffer.payload=unorm8"}, 3, 0},
+    };
+    strata *s = oracle_open(state);
+    if (!s)
+        skip();
+    for (size_t i = 0; i < BASE_COUNT(scenes); i++) {
+        const uint64_t certified = hold(s, &scenes[i], ways, BASE_COUNT(ways));
+        assert_true(certified >= 2ull * scenes[i].width * scenes[i].height * 4);
+    }
+    strata_close(s);
+}
+
+/* Colours from 1e-4 to 1e5 and alphas 0, 1/512, 1 - 2^-24, 1: what a narrow payload cuts off is not
+ * certified, everything else is. */
+static void test_bright(void **state) {
+    static const certified_way wide = {"abuffer,ppc", {"abuffer.payload=float"}, 0, 0},
+                               narrow[] = {{"abuffer,ppc", {"abuffer.payload=half"}, 0, 0},
+                                           {"abuffer,ppc", {"abuffer.payload=unorm8"}, 0, 0}};
+    static const oracle_case k = {ORACLE_FRAME("own:bright", 48, 48)};
+    const uint64_t all = 48 * 48 * 4;
+    strata *s = oracle_open(state);
+    if (!s)
+        skip();
+    assert_int_equal(hold(s, &k, &wide, 1), all);
+    for (size_t i = 0; i < 2; i++) {
+        const uint64_t certified = hold(s, &k, &narrow[i], 1);
+        assert_true(certified < all * 9 / 10 && certified > all / 4);
+    }
+    strata_close(s);
+}
+
+/* Long walks: faint layers whose errors add up, and one so long that ppc's fold is interrupted. */
+static void test_depths(void **state) {
+    static const certified_way ways[] = {
+        {"abuffer,ppc", {"abuffer.payload=float"}, 0, 0},
+        {"abuffer,ppc", {"abuffer.payload=unorm8"}, 0, 0},
+    };
+    static const oracle_case cases[] = {
+        {ORACLE_FRAME("scene:layers?count=1500&where=pixel&width=8&height=8&alpha=0.004", 8, 8)},
+        {ORACLE_FRAME("scene:layers?count=10000&where=pixel&width=8&height=8&alpha=9.5367e-7", 8,
+                      8)},
+        {ORACLE_FRAME("scene:layers?count=40000&where=pixel&width=8&height=8&alpha=0.00002", 8, 8)},
+    };
+    strata *s = oracle_open(state);
+    if (!s)
+        skip();
+    for (size_t i = 0; i < BASE_COUNT(cases); i++)
+        hold(s, &cases[i], ways, BASE_COUNT(ways));
+    strata_close(s);
+}
+
+int main(void) {
+#define ON(test, backend)                                                                          \
+    { .name = #test " on " backend, .test_func = test, .initial_state = (void *)(uintptr_t)backend }
+    const struct CMUnitTest tests[] = {
+        ON(test_payloads, "vulkan"), ON(test_payloads, "gl"),   ON(test_bright, "vulkan"),
+        ON(test_bright, "gl"),       ON(test_depths, "vulkan"), ON(test_depths, "gl"),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
