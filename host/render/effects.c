@@ -139,6 +139,15 @@ static void add_range_check(base_text *text, const plan_payload *payload) {
     base_text_add(text, "#endif\n");
 }
 
+/* Whether alpha is what the transmittance leaves, whatever the effects. */
+static int all_cover(const plan *p) {
+    const uint32_t both = STRATA_EFFECT_AFFINE | STRATA_EFFECT_COVERS;
+    for (uint32_t i = 0; i < p->effect_count; ++i)
+        if (p->effects[i].active && (p->effects[i].effect->flags & both) != both)
+            return 0;
+    return 1;
+}
+
 /* emit and event: straight calls with one active effect, a choice by number with several. */
 static void add_calls(base_text *text, const plan *p, int certify) {
     const plan_payload *payload = &p->payload;
@@ -167,6 +176,8 @@ static void add_calls(base_text *text, const plan *p, int certify) {
     for (uint32_t i = 0; i < p->effect_count && certify; ++i)
         if (p->effects[i].active)
             add_within(text, p, p->effects[i].effect);
+    if (certify)
+        base_text_add(text, "const bool STRATA_COVERS = %s;\n", all_cover(p) ? "true" : "false");
     base_text_add(text, certify ? "StrataElement strata_event_within(StrataPayload payload, out "
                                   "StrataWithin within) {\n"
                                 : "StrataElement strata_event(StrataPayload payload) {\n");

@@ -12,7 +12,6 @@
 
 FPC_TABLE(readonly)
 layout(std430) readonly buffer Slots0 { uint slots0[]; };
-layout(std430) writeonly buffer JointRank { uint joint_rank[]; };
 STRATA_PARAMS { uint stride; float threshold; } params;
 RANK_BY(rank_of_chunk, ranked_chunks, x)
 
@@ -25,16 +24,17 @@ void main() {
     uint count = strata_ranges[pixel].y;
     uint begin = at * CHUNK, end = min(begin + CHUNK, count);
     StrataElement walk = strata_fold_begin();
-    for (uint i = begin; i < end; ++i) {
-        if (strata_ended(walk, params.threshold))
-            break;
+    uint i = begin;
+    for (; i < end && !strata_ended(walk, params.threshold); ++i)
         strata_fold_step(walk, strata_event(strata_payload_load(slots0[first + i])));
-    }
+#ifdef STRATA_BOUND
+    for (; i < end; ++i)
+        strata_lose(pixel, strata_payload_load(slots0[first + i]));
+#endif
     if (count <= CHUNK) {
         strata_output(pixel, walk);
         return;
     }
     uint joint = ranked_chunks[rank].y + at;
-    joint_rank[joint] = rank;
-    put_joint(joint, walk);
+    put_joint(joint, rank, walk);
 }

@@ -121,7 +121,7 @@ static strata_result prepare_programs(fpc *f) {
     return r;
 }
 
-static strata_result prepare_pools(fpc *f, uint32_t channels) {
+static strata_result prepare_pools(fpc *f) {
     const struct {
         strata_pool *out;
         strata_pool_desc desc;
@@ -153,9 +153,9 @@ static strata_result prepare_pools(fpc *f, uint32_t channels) {
         {&f->joint,
          {.label = "joints",
           .counter_name = "JointPool",
-          .plane_count = channels == 3 ? 5 : 4,
-          .plane_names = {"JointRank", "Joint0", "Joint1", "Joint2", "Joint3"},
-          .plane_strides = {4, 8, 8, 8, 8}}},
+          .plane_count = 1,
+          .plane_names = {"Joints"},
+          .plane_strides = {8}}},
         {&f->rank,
          {.label = "ranks",
           .counter_name = "RankPool",
@@ -198,7 +198,7 @@ static strata_result prepare(void *state, const strata_view *view) {
                                   .size = 16 * pixel_groups(view->band_width, view->band_height)},
             &f->sums);
     if (r == STRATA_OK)
-        r = prepare_pools(f, view->transmittance_channels);
+        r = prepare_pools(f);
     if (r == STRATA_OK)
         r = prepare_programs(f);
     f->classes.threshold = f->threshold;
@@ -415,7 +415,11 @@ static const strata_slot_use fragments_use = {.struct_size = sizeof(strata_slot_
                                                          1u << STRATA_FRAGMENTS_LINKED};
 static const strata_slot_use color_use = {
     .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_UPDATES, .slot = "color/1"};
-static const strata_slot_use *const slots[] = {&fragments_use, &color_use};
+static const strata_slot_use bound_use = {.struct_size = sizeof(strata_slot_use),
+                                          .use = STRATA_SLOT_UPDATES,
+                                          .slot = "bound/1",
+                                          .optional = 1};
+static const strata_slot_use *const slots[] = {&fragments_use, &color_use, &bound_use};
 
 static const char *const mode_choices[] = {"fragments", "hybrid", NULL};
 static const strata_knob mode = {
@@ -439,7 +443,7 @@ static const strata_promises promises = {
     .order = STRATA_ORDER_EXACT,
     .determinism = STRATA_DETERMINISM_BOUNDED,
     .memory =
-        "16 pixels with fragments + 25 to 28 fragments + 0.45 fragments of pixels deeper than 64 "
+        "16 pixels with fragments + 25 to 28 fragments + 0.5 fragments of pixels deeper than 64 "
         "(+ 4 pixels with linked records)"};
 
 static const strata_cost_model cost = {
@@ -453,7 +457,7 @@ static const strata_technique technique = {
     .reference = "Patney, Tzeng, Owens 2010",
     .stage = "resolve",
     .slots = slots,
-    .slot_count = 2,
+    .slot_count = 3,
     .knobs = knobs,
     .knob_count = 2,
     .promises = &promises,

@@ -10,25 +10,26 @@
 #include "joints.glsl"
 
 FPC_TABLE(readonly)
-layout(std430) readonly buffer JointRank { uint joint_rank[]; };
 STRATA_PARAMS { uint stride; float threshold; } params;
 
 void main() {
     uint joint = strata_item();
     if (joint >= joints)
         return;
-    uint rank = joint_rank[joint], at = joint - ranked_chunks[rank].y;
+    uint rank = joint_rank(joint), at = joint - ranked_chunks[rank].y;
     uint pixel = ranked_elements[rank].x, parts = chunks_of(strata_ranges[pixel].y);
     if (parts <= params.stride || at % (params.stride * CHUNK) != 0u)
         return; // its fold has ended, or another invocation has this node
     StrataElement walk = joint_at(joint);
-    for (uint i = 1u; i < CHUNK && at + i * params.stride < parts; ++i) {
-        if (strata_ended(walk, params.threshold))
-            break;
+    uint i = 1u;
+    for (; i < CHUNK && at + i * params.stride < parts && !strata_ended(walk, params.threshold); ++i)
         strata_fold_step(walk, joint_at(joint + i * params.stride));
-    }
+#ifdef STRATA_BOUND
+    for (; i < CHUNK && at + i * params.stride < parts; ++i)
+        strata_lose_element(pixel, joint_at(joint + i * params.stride));
+#endif
     if (parts <= params.stride * CHUNK)
         strata_output(pixel, walk);
     else
-        put_joint(joint, walk);
+        put_joint(joint, rank, walk);
 }

@@ -1,32 +1,56 @@
 // SPDX-License-Identifier: MIT
 //
-// fpc: nodes of the tree of folds, stored as (C, T).
+// fpc: nodes of the tree of folds. A node is JOINT_PAIRS (table.glsl) pairs of words: its pixel's rank and T,
+// C, and with a certificate their errors.
 #include "strata/ended.glsl"
+#include "strata/loss.glsl"
 #include "strata/output.glsl"
 
-layout(std430) buffer Joint0 { vec2 joint0[]; };
-layout(std430) buffer Joint1 { vec2 joint1[]; };
-layout(std430) buffer Joint2 { vec2 joint2[]; };
-#if STRATA_CHANNELS == 3
-layout(std430) buffer Joint3 { vec2 joint3[]; };
-#endif
+layout(std430) buffer Joints { uvec2 joint_pairs[]; };
+
+vec2 joint_pair(uint at) { return uintBitsToFloat(joint_pairs[at]); }
+vec4 joint_four(uint at) { return vec4(joint_pair(at), joint_pair(at + 1u)); }
+
+void put_four(uint at, vec4 value) {
+    joint_pairs[at] = floatBitsToUint(value.xy);
+    joint_pairs[at + 1u] = floatBitsToUint(value.zw);
+}
+
+uint joint_rank(uint joint) { return joint_pairs[joint * JOINT_PAIRS].x; }
 
 StrataElement joint_at(uint joint) {
-    vec4 color = vec4(joint0[joint], joint1[joint]);
+    uint at = joint * JOINT_PAIRS;
 #if STRATA_CHANNELS == 3
-    return StrataElement(color, vec3(joint2[joint], joint3[joint].x));
+    vec3 transmittance = vec3(joint_pair(at).y, joint_pair(at + 3u));
 #else
-    return StrataElement(color, joint2[joint].x);
+    float transmittance = joint_pair(at).y;
+#endif
+#ifndef STRATA_BOUND
+    return StrataElement(joint_four(at + 1u), transmittance);
+#elif STRATA_CHANNELS == 3
+    return StrataElement(joint_four(at + 1u), transmittance, joint_four(at + 4u),
+                         joint_four(at + 6u).xyz);
+#else
+    return StrataElement(joint_four(at + 1u), transmittance, joint_four(at + 3u),
+                         joint_pair(at + 5u).x);
 #endif
 }
 
-void put_joint(uint joint, StrataElement walk) {
-    joint0[joint] = walk.color.xy;
-    joint1[joint] = walk.color.zw;
+void put_joint(uint joint, uint rank, StrataElement walk) {
+    uint at = joint * JOINT_PAIRS;
+    put_four(at + 1u, walk.color);
 #if STRATA_CHANNELS == 3
-    joint2[joint] = walk.transmittance.xy;
-    joint3[joint] = vec2(walk.transmittance.z, 0.0);
+    joint_pairs[at] = uvec2(rank, floatBitsToUint(walk.transmittance.x));
+    joint_pairs[at + 3u] = floatBitsToUint(walk.transmittance.yz);
+#ifdef STRATA_BOUND
+    put_four(at + 4u, walk.color_error);
+    put_four(at + 6u, vec4(walk.transmittance_error, 0.0));
+#endif
 #else
-    joint2[joint] = vec2(walk.transmittance, 0.0);
+    joint_pairs[at] = uvec2(rank, floatBitsToUint(walk.transmittance));
+#ifdef STRATA_BOUND
+    put_four(at + 3u, walk.color_error);
+    joint_pairs[at + 5u] = uvec2(floatBitsToUint(walk.transmittance_error), 0u);
+#endif
 #endif
 }

@@ -34,7 +34,8 @@ void set_table(uvec4 total) {
     pixels = ranked_needed = total.x;
     elements = element_needed = total.y;
     chunks = total.z;
-    joints = joint_needed = total.w;
+    joints = total.w;
+    joint_needed = joints > 0xffffffffu / JOINT_PAIRS ? 0xffffffffu : joints * JOINT_PAIRS;
     // As many streams as keep the device busy; 8 times an odd number, for at a power of two streams side
     // by side would share cache sets.
     stream = clamp(elements / 512u, 248u, STREAM_LONGEST) & ~15u | 8u;

@@ -13,6 +13,11 @@
 #define DIGITS 256u                 // of the radix sort, 8 bits
 #define COUNTERS_PER_INVOCATION 64u
 #define CHUNK 64u // fragments, then nodes, that one invocation folds in order: the tree's fan-in
+#ifdef STRATA_BOUND // of words, that a node of that tree takes
+#define JOINT_PAIRS (STRATA_CHANNELS == 3 ? 8u : 6u)
+#else
+#define JOINT_PAIRS (STRATA_CHANNELS == 3 ? 4u : 3u)
+#endif
 
 // Mirrors struct table in fpc.c.
 #define FPC_TABLE(access)                                                                          \

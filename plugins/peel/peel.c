@@ -93,8 +93,10 @@ static strata_result prepare_buffers(peel *p, const strata_view *view) {
         const char *label;
         uint64_t size;
     } rows[] = {
-        {&p->last, "last", slots * 8},    {&p->founds, "found", slots * 16},
-        {&p->walks, "walks", slots * 32}, {&p->counts, "counts", pixels * 8},
+        {&p->last, "last", slots * 8},
+        {&p->founds, "found", slots * 16},
+        {&p->walks, "walks", slots * (view->certify ? 64 : 32)},
+        {&p->counts, "counts", pixels * 8},
         {&p->progress, "progress", 4},
     };
     strata_result r = STRATA_OK;
@@ -346,7 +348,11 @@ static const strata_slot_use limit_use = {
     .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_CONSUMES, .slot = "limit/1"};
 static const strata_slot_use color_use = {
     .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_UPDATES, .slot = "color/1"};
-static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &color_use};
+static const strata_slot_use bound_use = {.struct_size = sizeof(strata_slot_use),
+                                          .use = STRATA_SLOT_UPDATES,
+                                          .slot = "bound/1",
+                                          .optional = 1};
+static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &color_use, &bound_use};
 
 static const char *const mode_choices[] = {"front_to_back", "dual", NULL};
 static const char *const payload_choices[] = {"float", "half", "unorm8", NULL};
@@ -400,7 +406,7 @@ static const strata_technique technique = {
     .reference = "Everitt 2001; Bavoil and Myers 2008 (dual)",
     .stage = "stream",
     .slots = slots,
-    .slot_count = 3,
+    .slot_count = 4,
     .knobs = knobs,
     .knob_count = 3,
     .promises = &promises,

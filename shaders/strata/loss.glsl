@@ -49,11 +49,8 @@ void strata_lose_through(uint word, float high, inout uint flags) {
 }
 #endif
 
-// A fragment that was dropped, behind all that are kept.
-void strata_lose(uint pixel, StrataPayload payload) {
 #ifdef STRATA_BOUND
-    StrataWithin within;
-    StrataElement e = strata_event_within(payload, within);
+void strata_lose_within(uint pixel, StrataElement e, StrataWithin within) {
     uint at = pixel * STRATA_BOUND, flags = 0u;
     vec4 size = max(e.color + e.color_error, -within.least) * STRATA_OUTWARD;
     // Exact transmittances are at most 1, whatever the precision of the payload.
@@ -85,6 +82,23 @@ void strata_lose(uint pixel, StrataPayload payload) {
         strata_lose_channel(at, c, size[c], low[c], flags);
     if (flags != 0u)
         atomicOr(strata_loss[at], flags);
+}
+#endif
+
+// A fragment that was dropped, behind all that are kept.
+void strata_lose(uint pixel, StrataPayload payload) {
+#ifdef STRATA_BOUND
+    StrataWithin within;
+    StrataElement element = strata_event_within(payload, within);
+    strata_lose_within(pixel, element, within);
+#endif
+}
+
+// Several of them, folded already.
+void strata_lose_element(uint pixel, StrataElement element) {
+#ifdef STRATA_BOUND
+    strata_lose_within(pixel, element,
+                       StrataWithin(element.color - element.color_error, STRATA_COVERS));
 #endif
 }
 

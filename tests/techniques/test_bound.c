@@ -185,6 +185,45 @@ static void test_bright(void **state) {
     strata_close(s);
 }
 
+/* Folded as a tree, and ended early: what is not folded is lost. */
+static void test_trees(void **state) {
+    static const certified_way ways[] = {
+        {"abuffer,fpc", {"abuffer.payload=float"}, 0, 100},
+        {"abuffer,fpc", {"abuffer.mode=linked", "abuffer.payload=half"}, 0, 20},
+        {"abuffer,fpc", {"abuffer.payload=float", "fpc.threshold=0.05"}, 3, 0},
+        {"abuffer,fpc", {"abuffer.payload=unorm8", "fpc.threshold=0.3"}, 0, 0},
+    };
+    static const oracle_case cases[] = {
+        {ORACLE_FRAME("scene:soup?small=1500&medium=150&depth=14", 64, 48)},
+        {ORACLE_FRAME("scene:shells?count=40&subdivision=1&transmission=0.6&core=0", 24, 24)},
+        {ORACLE_FRAME("scene:layers?count=200&where=pixel&width=8&height=8&alpha=0.02", 8, 8)},
+        {ORACLE_FRAME("scene:layers?count=10000&where=pixel&width=8&height=8&alpha=0.0004", 8, 8)},
+        {ORACLE_FRAME("own:clear", 32, 32)},
+    };
+    strata *s = oracle_open(state);
+    if (!s)
+        skip();
+    for (size_t i = 0; i < BASE_COUNT(cases); i++)
+        assert_true(hold(s, &cases[i], ways, BASE_COUNT(ways)) > 0);
+    strata_close(s);
+}
+
+/* The nearest k: what lies behind them is bounded, and not uselessly. */
+static void test_truncation(void **state) {
+    static const certified_way ways[] = {
+        {"kplus,ppc", {"kplus.k=4"}, 0, 4},
+        {"kplus,ppc", {"kplus.k=8"}, 3, 4},
+        {"kplus,fpc", {"kplus.k=20", "kplus.payload=half"}, 0, 0},
+        {"kplus,ppc", {"kplus.k=2", "kplus.payload=unorm8"}, 0, 0},
+    };
+    strata *s = oracle_open(state);
+    if (!s)
+        skip();
+    for (size_t i = 0; i < BASE_COUNT(scenes); i++)
+        assert_true(hold(s, &scenes[i], ways, BASE_COUNT(ways)) > 0);
+    strata_close(s);
+}
+
 /* Long walks: faint layers whose errors add up, and one so long that ppc's fold is interrupted. */
 static void test_depths(void **state) {
     static const certified_way ways[] = {
@@ -209,8 +248,10 @@ int main(void) {
 #define ON(test, backend)                                                                          \
     { .name = #test " on " backend, .test_func = test, .initial_state = (void *)(uintptr_t)backend }
     const struct CMUnitTest tests[] = {
-        ON(test_payloads, "vulkan"), ON(test_payloads, "gl"),   ON(test_bright, "vulkan"),
-        ON(test_bright, "gl"),       ON(test_depths, "vulkan"), ON(test_depths, "gl"),
+        ON(test_trees, "vulkan"),  ON(test_trees, "gl"),        ON(test_truncation, "vulkan"),
+        ON(test_truncation, "gl"), ON(test_payloads, "vulkan"), ON(test_payloads, "gl"),
+        ON(test_bright, "vulkan"), ON(test_bright, "gl"),       ON(test_depths, "vulkan"),
+        ON(test_depths, "gl"),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
