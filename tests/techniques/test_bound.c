@@ -143,8 +143,8 @@ static const oracle_case scenes[] = {
     {ORACLE_FRAME("scene:glass?detail=1&smoke=300", 64, 48)},
     {ORACLE_FRAME("scene:shells?count=5&subdivision=2&transmission=0.6", 48, 48)},
     {ORACLE_FRAME("scene:particles?count=600&radius=0.08", 48, 48)},
-    {ORACLE_FRAME("scene:stack?count=100&alpha=0.05", 32, 32)},
-    {ORACLE_FRAME("scene:layers?count=65&width=24&height=16&alpha=0.05", 24, 16)},
+    {ORACLE_FRAME("scene:stack?count=40&alpha=0.05", 32, 32)},
+    {ORACLE_FRAME("scene:layers?count=65&width=8&height=8&alpha=0.05", 8, 8)},
     {ORACLE_FRAME("own:crossing", 48, 48)},
     {ORACLE_FRAME("own:clear", 32, 32)},
     {ORACLE_FRAME("own:opaque", 16, 16)},
@@ -155,6 +155,7 @@ static void test_payloads(void **state) {
         {"abuffer,ppc", {"abuffer.payload=float"}, 0, 100},
         {"abuffer,ppc", {"abuffer.mode=linked", "abuffer.payload=half"}, 0, 20},
         {"abuffer,ppc", {"abuffer.payload=unorm8"}, 3, 0},
+        {"peel", {"peel.mode=dual", "peel.payload=half"}, 0, 20},
     };
     strata *s = oracle_open(state);
     if (!s)
@@ -215,6 +216,8 @@ static void test_truncation(void **state) {
         {"kplus,ppc", {"kplus.k=8"}, 3, 4},
         {"kplus,fpc", {"kplus.k=20", "kplus.payload=half"}, 0, 0},
         {"kplus,ppc", {"kplus.k=2", "kplus.payload=unorm8"}, 0, 0},
+        {"peel", {"peel.layers=4"}, 0, 4},
+        {"occupancy,kplus,ppc", {"kplus.k=3"}, 2, 4},
     };
     strata *s = oracle_open(state);
     if (!s)
