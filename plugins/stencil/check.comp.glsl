@@ -6,7 +6,7 @@
 #include "strata/scan.glsl"
 #include "layers.glsl"
 
-layout(std430) buffer Misrouted { uint misrouted; };
+layout(std430) buffer Routing { uint misrouted; uint overflowed; };
 STRATA_PARAMS { uint first; uint count; } params; // the batch's layers, of those of the frame
 
 void main() {

@@ -1,13 +1,23 @@
 // SPDX-License-Identifier: MIT
 //
-// stencil, once a layer: which fragments are routed. One that is hidden, or that does not exist, leaves
-// by discard and does not touch the stencil, so that layers hold visible fragments only. A depth test
-// could not see to that: a fragment that fails the stencil test moves the stencil whatever its depth.
-// Tests are late for that reason; so nothing but the attachment is written here.
+// stencil, once a layer: which fragments are routed.
+//
+// ALL: every one; so the stencil test comes before the shader. Right where none is hidden and all exist.
+//
+// Else one that is hidden, or that does not exist, leaves by discard and does not touch the stencil, so
+// that layers hold visible fragments only. A depth test could not see to that: a fragment that fails the
+// stencil test moves the stencil whatever its depth. Tests are late then; so nothing but the attachment
+// is written here.
 #include "strata/shading.glsl"
 
-uniform sampler2D limit_image;
 layout(location = 0) out uvec4 routed; // of which the pass writes the channel of its layer
+
+#ifdef ALL
+layout(early_fragment_tests) in;
+
+void main() { routed = uvec4(strata_primitive() + 1u); }
+#else
+uniform sampler2D limit_image;
 
 void main() {
     bool covered = strata_covered();
@@ -15,3 +25,4 @@ void main() {
         discard;
     routed = uvec4(strata_primitive() + 1u);
 }
+#endif

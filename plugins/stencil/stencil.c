@@ -8,9 +8,11 @@
  *                            off, and the one that finds 2 there is written
  *   store, once 8 layers     shades what these layers hold
  *   check, once 8 layers     counts pixels whose layers are not filled one by one
+ *   overflow                 and those where more fragments were routed than there are layers
  *
  * How many layers a frame has is learned from the counts: where they were too few, the frame is
- * recorded again.
+ * recorded again; and so it is where fragments were routed that were not counted, with a shader
+ * that looks for them.
  */
 #include "shared/counting.h"
 #include "stencil_glsl.h"
@@ -32,9 +34,10 @@ typedef struct stencil {
     strata_draws draws;
     counting counting;
     strata_image limit, routing, layers[BATCH / CHANNELS];
-    strata_buffer ranges, misrouted;
+    strata_buffer ranges, routing_state;
     strata_pool records;
-    strata_program route_program, store_program, check_program;
+    strata_program route_all_program, route_program, store_program, check_program, overflow_program;
+    uint32_t selects;                 /* 1: some fragments are hidden, or do not exist */
     uint32_t layer_count;             /* that are recorded */
     uint32_t deepest, deepest_before; /* in this window of frames and in the one before */
     uint64_t window;                  /* frame index at which this one began */
@@ -87,40 +90,66 @@ static strata_result create_buffers(stencil *s, const strata_view *view) {
     const strata_buffer_desc ranges = {.struct_size = sizeof ranges,
                                        .label = "ranges",
                                        .size = (uint64_t)view->band_width * view->band_height * 8};
-    const strata_buffer_desc misrouted = {
-        .struct_size = sizeof misrouted, .label = "misrouted pixels", .size = 4};
+    const strata_buffer_desc routing = {
+        .struct_size = sizeof routing, .label = "routing state", .size = 8};
     strata_result r = s->gpu->buffer_create(s->gpu->self, &ranges, &s->ranges);
     if (r == STRATA_OK)
-        r = s->gpu->buffer_create(s->gpu->self, &misrouted, &s->misrouted);
+        r = s->gpu->buffer_create(s->gpu->self, &routing, &s->routing_state);
     return r == STRATA_OK ? s->gpu->pool_create(s->gpu->self, &records, &s->records) : r;
 }
 
 static strata_result program(const stencil *s, uint32_t kind, const char *label,
-                             const strata_glsl *source, strata_program *out) {
+                             const strata_glsl *source, const char *define, uint32_t flags,
+                             strata_program *out) {
     return s->gpu->program_create(s->gpu->self,
                                   &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
                                                          .kind = kind,
+                                                         .flags = flags,
                                                          .label = label,
                                                          .source = source,
+                                                         .defines = &define,
+                                                         .define_count = define ? 1 : 0,
                                                          .includes = includes},
                                   out);
+}
+
+static strata_result create_programs(stencil *s) {
+    const struct {
+        strata_program *out;
+        uint32_t kind;
+        const char *label;
+        const strata_glsl *source;
+        const char *define;
+        uint32_t flags;
+    } programs[] = {
+        {&s->route_all_program, STRATA_PROGRAM_SCENE, "route all", &route_frag_glsl, "ALL",
+         STRATA_PROGRAM_LAZY},
+        {&s->route_program, STRATA_PROGRAM_SCENE, "route", &route_frag_glsl, NULL,
+         STRATA_PROGRAM_LAZY},
+        {&s->store_program, STRATA_PROGRAM_SCENE, "store", &store_frag_glsl, NULL, 0},
+        {&s->check_program, STRATA_PROGRAM_COMPUTE, "check", &check_comp_glsl, NULL, 0},
+        {&s->overflow_program, STRATA_PROGRAM_FULLSCREEN, "overflow", &overflow_frag_glsl, NULL, 0},
+    };
+    strata_result r = STRATA_OK;
+    for (size_t i = 0; i < sizeof programs / sizeof *programs && r == STRATA_OK; ++i)
+        r = program(s, programs[i].kind, programs[i].label, programs[i].source, programs[i].define,
+                    programs[i].flags, programs[i].out);
+    return r;
 }
 
 static strata_result prepare(void *state, const strata_view *view) {
     stencil *s = state;
     s->draws = view->draws(view->self, "draws.transparent/1");
     s->limit = view->image(view->self, "limit/1");
+    if (view->changed & (STRATA_CHANGED_SCENE | STRATA_CHANGED_EFFECTS))
+        s->selects = view->stats->opaque_draws > 0;
     strata_result r = create_images(s, view);
     if (r == STRATA_OK)
         r = create_buffers(s, view);
     if (r == STRATA_OK)
         r = counting_prepare(&s->counting, s->gpu, view, 0);
     if (r == STRATA_OK)
-        r = program(s, STRATA_PROGRAM_SCENE, "route", &route_frag_glsl, &s->route_program);
-    if (r == STRATA_OK)
-        r = program(s, STRATA_PROGRAM_SCENE, "store", &store_frag_glsl, &s->store_program);
-    if (r == STRATA_OK)
-        r = program(s, STRATA_PROGRAM_COMPUTE, "check", &check_comp_glsl, &s->check_program);
+        r = create_programs(s);
     if (r == STRATA_OK)
         r = view->publish_fragments(view->self,
                                     &(strata_fragments){.struct_size = sizeof(strata_fragments),
@@ -148,10 +177,10 @@ static void record_route(const stencil *s, const strata_frame *frame, uint32_t l
         frame->self,
         &(strata_pass){.struct_size = sizeof(strata_pass),
                        .label = "route",
-                       .program = s->route_program,
+                       .program = s->selects ? s->route_program : s->route_all_program,
                        .draws = s->draws,
                        .binds = &limit,
-                       .bind_count = 1,
+                       .bind_count = s->selects,
                        .color = &(strata_attachment){.struct_size = sizeof(strata_attachment),
                                                      .image = s->layers[image],
                                                      .load = channel == 0 ? STRATA_LOAD_CLEAR
@@ -196,21 +225,38 @@ static void record_batch(const stencil *s, const strata_frame *frame, uint32_t f
     pass.params_size = sizeof params;
     pass.depth = NULL;
     pass.stencil_test = STRATA_TEST_NONE;
-    binds[3] = bind_buffer("Misrouted", s->misrouted);
+    binds[3] = bind_buffer("Routing", s->routing_state);
     strata_groups((uint64_t)frame->band_width * frame->band_height, pass.groups);
     frame->pass(frame->self, &pass);
+}
+
+static void record_overflow(const stencil *s, const strata_frame *frame) {
+    const strata_bind routing = bind_buffer("Routing", s->routing_state);
+    frame->pass(
+        frame->self,
+        &(strata_pass){.struct_size = sizeof(strata_pass),
+                       .label = "overflow",
+                       .program = s->overflow_program,
+                       .binds = &routing,
+                       .bind_count = 1,
+                       .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment),
+                                                     .image = s->routing},
+                       .stencil_test = STRATA_TEST_EQUAL,
+                       .stencil_reference = 0});
 }
 
 static void record(void *state, const strata_frame *frame) {
     const stencil *s = state;
     counting_record(&s->counting, frame, s->draws, s->limit, s->ranges, s->records, MOST_LAYERS);
-    frame->fill(frame->self, s->misrouted, 0, 0, 0);
+    frame->fill(frame->self, s->routing_state, 0, 0, 0);
     for (uint32_t first = 0; first < s->layer_count; first += BATCH) {
         const uint32_t left = s->layer_count - first, count = left < BATCH ? left : BATCH;
         for (uint32_t i = 0; i < count; ++i)
             record_route(s, frame, first + i);
         record_batch(s, frame, first, count);
     }
+    if (s->layer_count > 0)
+        record_overflow(s, frame);
 }
 
 /* ---- verify ---------------------------------------------------------------------------------- */
@@ -242,10 +288,11 @@ static strata_result refuse(const strata_frame *frame, const char *format, uint3
 static strata_result verify(void *state, const strata_frame *frame) {
     stencil *s = state;
     counting_totals totals;
-    uint32_t misrouted = 0;
+    uint32_t routing[2] = {0}; /* pixels: misrouted, overflowed */
+    const uint32_t layer_count = s->layer_count;
     strata_result r = counting_verify(&s->counting, frame, &totals);
     if (r == STRATA_OK)
-        r = frame->read(frame->self, s->misrouted, 0, sizeof misrouted, &misrouted);
+        r = frame->read(frame->self, s->routing_state, 0, sizeof routing, routing);
     if (r != STRATA_OK)
         return r;
     if (totals.largest > MOST_LAYERS)
@@ -253,11 +300,15 @@ static strata_result verify(void *state, const strata_frame *frame) {
                       "a pixel holds %u fragments and a stencil of 8 bits routes 254; abuffer has "
                       "no such limit",
                       totals.largest);
-    if (misrouted > 0)
-        return refuse(frame, "this driver routed %u pixels otherwise than it counted them",
-                      misrouted);
     frame->report(frame->self, STRATA_REPORT_MAX_PER_PIXEL, totals.largest);
-    return learn(s, frame, totals.largest);
+    r = learn(s, frame, totals.largest);
+    const uint32_t wrong = routing[0] > routing[1] ? routing[0] : routing[1];
+    if (totals.largest > layer_count || wrong == 0)
+        return r;
+    if (s->selects)
+        return refuse(frame, "this driver routed %u pixels otherwise than it counted them", wrong);
+    s->selects = 1;
+    return STRATA_RETRY;
 }
 
 static void destroy(void *state) {
@@ -304,13 +355,15 @@ static const strata_promises promises = {
     .largest_depth = MOST_LAYERS,
     .memory = "52 pixels + (8 + payload) fragments; payload: unorm8 4, half 8, float 16"};
 
-/* Two geometry passes and one more with each layer: what a fragment costs grows with the depth. */
+/* A geometry pass a layer and an eighth of one, beside the count and what is stored. */
 static const strata_cost_model cost = {.struct_size = sizeof(strata_cost_model),
                                        .frame = 20000,
-                                       .per_pixel = 4,
-                                       .per_fragment = 2,
-                                       .per_fragment_log2_depth = 8,
-                                       .per_triangle = 100};
+                                       .per_pixel = 0.3,
+                                       .per_fragment = 2.4,
+                                       .per_triangle = 8,
+                                       .per_depth = 1000,
+                                       .per_depth_fragment = 0.7,
+                                       .per_depth_triangle = 4.5};
 
 static const strata_technique technique = {
     .struct_size = sizeof(strata_technique),

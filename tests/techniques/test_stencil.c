@@ -270,6 +270,36 @@ static void layers_grow_and_shrink(void **state) {
     }
 }
 
+/* Fragments come to be hidden while the scene is shown: behind fewer layers than there are, and
+ * behind as many, where all layers are filled as if nothing were wrong. */
+static void a_wall_appears(void **state) {
+    static const uint32_t hidden_at_first[][2] = {{6, 7}, {0, 7}}; /* of 6 behind and the wall */
+    (void)state;
+    for (size_t i = 0; i < 4; ++i) {
+        const char *backend = backends[i / 2];
+        const uint32_t *hidden = hidden_at_first[i % 2];
+        strata *instance = picture_instance(backend);
+        if (!instance)
+            continue;
+        char path[64];
+        write_pile(&(pile){.front = 6, .behind = 6, .wall = 1}, path);
+        strata_scene *sc = picture_scene(instance, path);
+        unlink(path);
+        show(sc, hidden[0], hidden[1], 0);
+        retries(instance, sc, backend);
+        show(sc, hidden[0], hidden[1], 1);
+        const way routed = {.backend = backend, .use = "stencil,ppc"};
+        const way plain = {.backend = backend, .use = "abuffer,ppc"};
+        picture a = picture_render(sc, instance, &routed, SIZE, SIZE);
+        assert_true(instance->result.retries > 0);
+        picture b = picture_render(sc, instance, &plain, SIZE, SIZE);
+        picture_same(&a, &b, backend);
+        picture_free(&a);
+        picture_free(&b);
+        strata_scene_close(sc);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(layers_fill_batches),
@@ -277,6 +307,7 @@ int main(void) {
         cmocka_unit_test(one_layer_more_is_refused),
         cmocka_unit_test(only_what_is_seen_takes_a_layer),
         cmocka_unit_test(layers_grow_and_shrink),
+        cmocka_unit_test(a_wall_appears),
     };
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
     picture_close();
