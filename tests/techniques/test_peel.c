@@ -146,7 +146,7 @@ static void depths_change_from_frame_to_frame(void **state) {
         enum { FRAMES = 6 };
         picture expected[FRAMES];
         static const char *const uses[] = {"abuffer,ppc", "peel"};
-        strata_scene *sc = picture_scene(instance, "scene:glass");
+        strata_scene *sc = picture_scene(instance, "scene:shells");
         for (int pass = 0; pass < 2; ++pass)
             for (int i = 0; i < FRAMES; ++i) {
                 picture p = {.width = 40, .height = 30};
@@ -165,7 +165,7 @@ static void depths_change_from_frame_to_frame(void **state) {
                     expected[i] = p;
                     continue;
                 }
-                picture_same(&expected[i], &p, "turned glass");
+                picture_same(&expected[i], &p, "turned shells");
                 picture_free(&p);
                 picture_free(&expected[i]);
             }
@@ -221,15 +221,13 @@ static void dual_is_within_its_bound(void **state) {
             strata_scene *sc = picture_scene(instance, s->path);
             picture exact =
                 picture_render(sc, instance, &(way){.use = "abuffer,ppc"}, s->width, s->height);
-            for (size_t k = 0; k < 2; ++k) {
-                picture p = picture_render(sc, instance, &ways[k], s->width, s->height);
-                check_dual(&exact, &p, instance->session->report.largest, s->path);
-                if (first.pixels) { /* and the same bits whatever the order and the backend */
-                    picture_same(&first, &p, s->path);
-                    picture_free(&p);
-                } else {
-                    first = p;
-                }
+            picture p = picture_render(sc, instance, &ways[b], s->width, s->height);
+            check_dual(&exact, &p, instance->session->report.largest, s->path);
+            if (first.pixels) { /* the same bits whatever the order, the bands and the backend */
+                picture_same(&first, &p, s->path);
+                picture_free(&p);
+            } else {
+                first = p;
             }
             picture_free(&exact);
             strata_scene_close(sc);
