@@ -30,6 +30,8 @@ void main() {
     vec4 sum = wboit_sum(at);
     precise float covered = 1.0 - revealed.a;
     precise vec3 mean = sum.a > 0.0 ? sum.rgb / sum.a * covered : vec3(0.0);
-    StrataElement all = StrataElement(vec4(mean, covered), STRATA_TRANSMITTANCE(revealed));
+    StrataElement all = strata_fold_begin();
+    all.color = vec4(mean, covered);
+    all.transmittance = STRATA_TRANSMITTANCE(revealed);
     strata_output(pixel, all);
 }

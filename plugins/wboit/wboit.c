@@ -134,7 +134,11 @@ static const strata_slot_use limit_use = {
     .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_CONSUMES, .slot = "limit/1"};
 static const strata_slot_use color_use = {
     .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_UPDATES, .slot = "color/1"};
-static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &color_use};
+static const strata_slot_use bound_use = {.struct_size = sizeof(strata_slot_use),
+                                          .use = STRATA_SLOT_UPDATES,
+                                          .slot = "bound/1",
+                                          .optional = 1};
+static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &color_use, &bound_use};
 
 static const char *const weight_choices[] = {"one", "eq7", "eq8", "eq9", "eq10", NULL};
 static const char *const precision_choices[] = {"float", "half", NULL};
@@ -183,7 +187,7 @@ static const strata_technique technique = {
     .reference = "McGuire and Bavoil 2013",
     .stage = "stream",
     .slots = slots,
-    .slot_count = 3,
+    .slot_count = 4,
     .knobs = knobs,
     .knob_count = 3,
     .promises = &promises,

@@ -199,12 +199,33 @@ static void the_background_keeps_its_share(void **state) {
     }
 }
 
+/* A certificate says nothing where anything is blended, and that nothing is wrong elsewhere. */
+static void what_is_blended_is_uncertified(void **state) {
+    strata *instance;
+    (void)state;
+    EACH_BACKEND(instance) {
+        strata_scene *sc = picture_scene(instance, "scene:stack?count=3");
+        render(instance, sc, "wboit", STRATA_OUTPUT_BOUND, NULL, 0);
+        size_t blended = 0;
+        for (size_t i = 0; i < (size_t)48 * 32; ++i) {
+            const float bound = instance->result.bound.map.pixels[4 * i];
+            const int shows = instance->result.color.pixels[4 * i] != 0.2f;
+            blended += (size_t)shows;
+            if (shows ? !isinf(bound) : bound > 0x1p-20f)
+                fail_msg("pixel %zu: bound %g", i, (double)bound);
+        }
+        assert_true(blended > 0 && blended < 48 * 32);
+        strata_scene_close(sc);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pictures_are_the_papers_equation),
         cmocka_unit_test(one_layer_is_right),
         cmocka_unit_test(order_only_rounds),
         cmocka_unit_test(the_background_keeps_its_share),
+        cmocka_unit_test(what_is_blended_is_uncertified),
     };
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
     picture_close();
