@@ -5,15 +5,18 @@
  * the same limit; everything it hides is counted; before kplus it changes no bit. Read through the
  * module `sieve`, which stores whatever passes limit/1.
  */
+#define _DEFAULT_SOURCE
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
 #include "render/render.h"
+#include "scenes/glb.h"
 #include "techniques/picture.h"
 
 static const char *const backends[] = {"vulkan", "gl"};
@@ -256,6 +259,68 @@ static void hard_depths_pass(void **state) {
     }
 }
 
+/* Large squares at 64 neighbouring depths, so that a bucket is one key. */
+static strata_scene *close_scene(strata *instance) {
+    enum { COUNT = 64 };
+    static const float square[4][2] = {{-2, -2}, {2, -2}, {2, 2}, {-2, 2}};
+    static const int corners[6] = {0, 1, 2, 0, 2, 3};
+    static float positions[COUNT * 6][3];
+    char path[] = "/tmp/strata-close-XXXXXX.glb";
+    test_glb g = {0};
+    strata_scene *sc = NULL;
+    size_t size = 0;
+    for (int i = 0; i < COUNT * 6; ++i) {
+        positions[i][0] = square[corners[i % 6]][0];
+        positions[i][1] = square[corners[i % 6]][1];
+        positions[i][2] = -0.25f - 0x1p-24f * (float)(i / 6 * 37 % COUNT);
+    }
+    test_glb_floats(&g, "VEC3", 3, COUNT * 6, &positions[0][0]);
+    test_glb_json(&g, "\"extensionsUsed\":[\"KHR_materials_unlit\"],\"materials\":[{\"alphaMode\":"
+                      "\"BLEND\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0.5,0.25,0.5]},"
+                      "\"extensions\":{\"KHR_materials_unlit\":{}}}],\"meshes\":[{\"primitives\":[{"
+                      "\"attributes\":{\"POSITION\":0},\"material\":0}]}]");
+    test_glb_json(&g, "\"cameras\":[{\"type\":\"orthographic\",\"orthographic\":{\"xmag\":1,"
+                      "\"ymag\":1,\"znear\":0,\"zfar\":1}}],\"nodes\":[{\"mesh\":0},{\"camera\":"
+                      "0}],\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}]");
+    unsigned char *file = test_glb_finish(&g, &size);
+    const int fd = mkstemps(path, 4);
+    assert_true(fd >= 0);
+    assert_int_equal(write(fd, file, size), size);
+    close(fd);
+    free(file);
+    sc = picture_scene(instance, path);
+    unlink(path);
+    return sc;
+}
+
+/* There the limit is the k-th fragment's own depth, and that fragment passes. */
+static void the_limit_is_exact_where_buckets_are_keys(void **state) {
+    static const uint32_t counts[] = {1, 8, 31, 32, 33, 63, 64};
+    strata **instances = *state;
+    for (size_t i = 0; i < 2 * sizeof counts / sizeof *counts; ++i) {
+        const uint32_t k = counts[i / 2];
+        strata *instance = instances[i % 2];
+        if (!instance)
+            continue;
+        strata_scene *sc = close_scene(instance);
+        sieved all = sieve(instance, sc, &(sieving){.k = 1, .buckets = UINT32_MAX}, 12, 12);
+        sieved s = sieve(instance, sc, &(sieving){.k = k, .buckets = 256}, 12, 12);
+        check(&all, &s, k, "neighbouring depths");
+        for (size_t p = 0; p < 12 * 12; ++p) {
+            const uint64_t *records = all.records + all.first[p];
+            const uint32_t kth = (uint32_t)(records[k - 1] >> 32);
+            assert_int_equal(all.first[p + 1] - all.first[p], 64);
+            for (uint32_t n = 1; n < 64; ++n)
+                assert_true(records[n] >> 32 > records[n - 1] >> 32);
+            if (k < 64 && s.limit[p] != kth)
+                fail_msg("pixel %zu, k %u: limit %08x, not %08x", p, k, s.limit[p], kth);
+        }
+        release(&all);
+        release(&s);
+        strata_scene_close(sc);
+    }
+}
+
 static void bands_and_orders_do_not_matter(void **state) {
     static const sieving others[] = {
         {.k = 8, .buckets = 128, .bands = 7},
@@ -346,6 +411,7 @@ static void few_survive(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_limit_is_exact_where_buckets_are_keys),
         cmocka_unit_test(the_nearest_k_pass),
         cmocka_unit_test(hard_depths_pass),
         cmocka_unit_test(bands_and_orders_do_not_matter),
