@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// kplus, atomics, before the fragments: every slot is empty. With memory=fixed also what the pool needs.
+// kplus, before the fragments. Atomics: every slot is empty. With memory=fixed also what the pool needs;
+// ordered attachments need nothing else (NEEDS_ONLY).
 #define STRATA_RECORDS writeonly
 #define STRATA_KEYS STRATA_PAIR
 #include "slots.glsl"
@@ -14,6 +15,8 @@ void main() {
     if (slot == 0u)
         strata_needed = slots_needed();
 #endif
+#ifndef NEEDS_ONLY
     if (slot < strata_capacity)
         strata_keys[slot] = STRATA_TO_PAIR(uvec2(0xffffffffu));
+#endif
 }

@@ -4,6 +4,7 @@
  * whatever order they arrive, into fragments/1.
  *
  *   unlocked, lock      cells -> store (cull, shade, insert into an array or a heap) -> finish
+ *   ordered             needs -> ordered (keys in attachments, payload by slot) -> gather
  *   atomic64, atomic32  empty -> chain (keys by atomicMin) [-> orders] -> payload -> finish
  *
  * With memory=exact, count -> sums -> offsets -> ranges go before and nothing has to finish. k = 0
@@ -12,15 +13,23 @@
 #include "kplus_glsl.h"
 #include "shared/counting.h"
 
+#include <stdio.h>
 #include <string.h>
 
-enum { FINISH_PIXELS = 16 };
+enum { FINISH_PIXELS = 16, ORDERED_MOST = 16, ATTACHMENTS_MOST = 8 };
 enum { K_MOST = 16384, ARRAY_MOST = 32 }; /* CELL_PLACE holds the former; a heap wins above */
 
 enum { KNOB_K, KNOB_STRUCTURE, KNOB_EXCLUSION, KNOB_MEMORY, KNOB_PAYLOAD, KNOB_TRIES };
 enum { STRUCTURE_AUTO, STRUCTURE_ARRAY, STRUCTURE_HEAP };
 enum { MEMORY_FIXED, MEMORY_EXACT };
-typedef enum path { PATH_AUTO, PATH_LOCK, PATH_ATOMIC64, PATH_ATOMIC32, PATH_UNLOCKED } path;
+typedef enum path {
+    PATH_AUTO,
+    PATH_LOCK,
+    PATH_ATOMIC64,
+    PATH_ATOMIC32,
+    PATH_UNLOCKED,
+    PATH_ORDERED
+} path;
 
 typedef struct kplus {
     const strata_gpu *gpu;
@@ -35,13 +44,17 @@ typedef struct kplus {
     uint32_t lock_failed, tied; /* 1: learned in verify() */
     counting counting;
     strata_buffer ranges, cells, events; /* events: failures of the lock, or ties */
+    strata_image held[ATTACHMENTS_MOST]; /* keys and orders, two records a texel */
+    strata_buffer dropped;               /* where no texel has room to count */
     strata_pool records;
-    strata_program cells_program, store_program, finish_program, empty_program, chain_program,
-        orders_program, payload_program, late_payload_program, swap_program, chain_finish_program;
+    strata_program needs_program, ordered_program, gather_program, cells_program, store_program,
+        finish_program, empty_program, chain_program, orders_program, payload_program,
+        late_payload_program, swap_program, chain_finish_program;
 } kplus;
 
-static const strata_glsl *const includes[] = {&array_glsl, &cells_glsl,  &chain_glsl, &descend_glsl,
-                                              &heap_glsl,  &insert_glsl, &slots_glsl, NULL};
+static const strata_glsl *const includes[] = {&array_glsl,  &attachments_glsl, &cells_glsl,
+                                              &chain_glsl,  &descend_glsl,     &heap_glsl,
+                                              &insert_glsl, &slots_glsl,       NULL};
 
 static strata_result create(void *state, const strata_host *host, const strata_gpu *gpu) {
     (void)host;
@@ -67,14 +80,26 @@ static int choose(kplus *s, const strata_settings *settings) {
     s->heap = structure == STRUCTURE_AUTO ? s->params.k > ARRAY_MOST : structure == STRUCTURE_HEAP;
     s->path = (path)values[KNOB_EXCLUSION];
     s->other = lock_free(gpu);
+    const int attachments =
+        s->params.k <= ORDERED_MOST && gpu->fact(gpu->self, "ordered_attachments") != 0;
     if (s->path == PATH_AUTO)
-        s->path = s->ordered ? PATH_UNLOCKED : s->other;
-    return s->params.k == 0 || ((s->path != PATH_UNLOCKED || s->ordered) &&
-                                (s->path != PATH_ATOMIC64 || s->other == PATH_ATOMIC64));
+        s->path = attachments ? PATH_ORDERED : s->ordered ? PATH_UNLOCKED : s->other;
+    return s->params.k == 0 ||
+           ((s->path != PATH_UNLOCKED || s->ordered) && (s->path != PATH_ORDERED || attachments) &&
+            (s->path != PATH_ATOMIC64 || s->other == PATH_ATOMIC64));
 }
 
 static int is_chain(path p) {
     return p == PATH_ATOMIC64 || p == PATH_ATOMIC32;
+}
+
+/* Where attachments are in order but storage is not, payloads take a pass of their own. */
+static int is_late(const kplus *s) {
+    return s->path == PATH_ORDERED && !s->ordered;
+}
+
+static uint32_t attachment_count(uint32_t k) {
+    return k < ORDERED_MOST ? (k + 2) / 2 : ATTACHMENTS_MOST;
 }
 
 /* Planes: keys, the payload's, and the nodes of the heap. */
@@ -90,7 +115,7 @@ static strata_result create_records(kplus *s, const strata_view *view) {
         .plane_strides = {8},
         .plane_count = 1,
         .expected = s->exact ? 0 : (uint64_t)view->band_width * view->band_height * s->params.k};
-    if (s->heap && !is_chain(s->path)) {
+    if (s->heap && (s->path == PATH_LOCK || s->path == PATH_UNLOCKED)) {
         desc.plane_names[desc.plane_count] = "Nodes";
         desc.plane_strides[desc.plane_count++] = 8;
     }
@@ -123,8 +148,14 @@ typedef struct source {
 static strata_result create_programs(const kplus *s, path p, const source *sources, size_t count) {
     strata_result r = STRATA_OK;
     for (size_t i = 0; i < count && r == STRATA_OK; ++i) {
-        const char *defines[6];
+        const char *defines[8];
+        char number[16];
         uint32_t defined = 0;
+        snprintf(number, sizeof number, "K=%u", s->params.k);
+        if (p == PATH_ORDERED)
+            defines[defined++] = number;
+        if (is_late(s))
+            defines[defined++] = "LATE";
         if (s->exact)
             defines[defined++] = "EXACT";
         if (p == PATH_LOCK)
@@ -176,6 +207,26 @@ static strata_result prepare_chain(kplus *s, path p) {
     return create_programs(s, p, sources, sizeof sources / sizeof *sources);
 }
 
+static strata_result prepare_ordered(kplus *s, const strata_view *view) {
+    const source sources[] = {
+        {&s->needs_program, STRATA_PROGRAM_COMPUTE, "needs", &empty_comp_glsl, "NEEDS_ONLY"},
+        {&s->ordered_program, STRATA_PROGRAM_SCENE, "ordered", &ordered_frag_glsl, NULL},
+        {&s->gather_program, STRATA_PROGRAM_COMPUTE, "gather", &gather_comp_glsl, NULL},
+        {&s->late_payload_program, STRATA_PROGRAM_SCENE, "payload", &payload_frag_glsl, NULL},
+    };
+    const strata_image_desc desc = {.struct_size = sizeof desc,
+                                    .label = "nearest",
+                                    .format = STRATA_FORMAT_RGBA32U,
+                                    .width = view->width,
+                                    .height = view->height};
+    strata_result r = create_programs(s, PATH_ORDERED, sources, sizeof sources / sizeof *sources);
+    for (uint32_t i = 0; i < attachment_count(s->params.k) && r == STRATA_OK; ++i)
+        r = s->gpu->image_create(s->gpu->self, &desc, &s->held[i]);
+    if (r == STRATA_OK && s->params.k == ORDERED_MOST)
+        r = buffer(s, "dropped", (uint64_t)view->band_width * view->band_height * 4, &s->dropped);
+    return r == STRATA_OK && !s->exact ? counting_prepare_totals(&s->counting, s->gpu) : r;
+}
+
 /* Where a fixed number of slots makes counting needless, what arrived is counted beside. */
 static strata_result prepare_arrivals(kplus *s, const strata_view *view) {
     const strata_image_desc count = {.struct_size = sizeof count,
@@ -196,6 +247,20 @@ static strata_result prepare_all(kplus *s) {
                                   &s->store_program);
 }
 
+static strata_result prepare_path(kplus *s, const strata_view *view) {
+    strata_result r = buffer(s, "events", 4, &s->events);
+    if (r == STRATA_OK && s->path == PATH_ORDERED)
+        return prepare_ordered(s, view);
+    if (r == STRATA_OK && !is_chain(s->path)) {
+        r = buffer(s, "cells", (uint64_t)view->band_width * view->band_height * 8, &s->cells);
+        if (r == STRATA_OK)
+            r = prepare_insertion(s);
+    }
+    if (r == STRATA_OK && s->path != PATH_UNLOCKED)
+        r = prepare_chain(s, is_chain(s->path) ? s->path : s->other);
+    return r;
+}
+
 static strata_result prepare(void *state, const strata_view *view) {
     kplus *s = state;
     const uint64_t pixels = (uint64_t)view->band_width * view->band_height;
@@ -207,34 +272,29 @@ static strata_result prepare(void *state, const strata_view *view) {
     strata_result r = buffer(s, "ranges", pixels * 8, &s->ranges);
     if (r == STRATA_OK)
         r = create_records(s, view);
-    if (r == STRATA_OK)
-        r = s->exact ? counting_prepare(&s->counting, s->gpu, view, s->params.k == 0)
-                     : prepare_arrivals(s, view);
+    if (r == STRATA_OK && s->exact)
+        r = counting_prepare(&s->counting, s->gpu, view, s->params.k == 0);
+    else if (r == STRATA_OK && s->path != PATH_ORDERED)
+        r = prepare_arrivals(s, view);
     if (r == STRATA_OK && s->params.k == 0)
         r = prepare_all(s);
     if (r == STRATA_OK && s->params.k > 0)
-        r = buffer(s, "events", 4, &s->events);
-    if (r == STRATA_OK && s->params.k > 0 && !is_chain(s->path)) {
-        r = buffer(s, "cells", pixels * 8, &s->cells);
-        if (r == STRATA_OK)
-            r = prepare_insertion(s);
-    }
-    if (r == STRATA_OK && s->params.k > 0 && s->path != PATH_UNLOCKED)
-        r = prepare_chain(s, is_chain(s->path) ? s->path : s->other);
+        r = prepare_path(s, view);
     if (r == STRATA_OK)
         r = view->publish_fragments(
-            view->self, &(strata_fragments){.struct_size = sizeof(strata_fragments),
-                                            .layout = STRATA_FRAGMENTS_CONTIGUOUS,
-                                            .sorted = s->params.k > 0 && is_chain(s->path),
-                                            .nearest = s->params.k,
-                                            .ranges = s->ranges,
-                                            .records = s->records});
+            view->self,
+            &(strata_fragments){.struct_size = sizeof(strata_fragments),
+                                .layout = STRATA_FRAGMENTS_CONTIGUOUS,
+                                .sorted = s->params.k > 0 && (is_chain(s->path) || is_late(s)),
+                                .nearest = s->params.k,
+                                .ranges = s->ranges,
+                                .records = s->records});
     return r;
 }
 
 /* ---- record ---------------------------------------------------------------------------------- */
 
-enum { BIND_MAX = 6 };
+enum { BIND_MAX = 14 };
 
 typedef struct binds {
     strata_bind at[BIND_MAX];
@@ -273,9 +333,10 @@ static void compute(const kplus *s, const strata_frame *frame, const char *label
     frame->pass(frame->self, &pass);
 }
 
-/* A geometry pass; `arrivals`: it counts what arrives. */
+/* A geometry pass onto `count` attachments. */
 static void draw(const kplus *s, const strata_frame *frame, const char *label,
-                 strata_program program, const binds *b, int arrivals, int params) {
+                 strata_program program, const binds *b, const strata_attachment *color,
+                 uint32_t count, int params) {
     frame->pass(
         frame->self,
         &(strata_pass){.struct_size = sizeof(strata_pass),
@@ -286,14 +347,22 @@ static void draw(const kplus *s, const strata_frame *frame, const char *label,
                        .params_size = params ? sizeof s->params : 0,
                        .binds = b->at,
                        .bind_count = b->count,
-                       .color = &(strata_attachment){.struct_size = sizeof(strata_attachment),
-                                                     .image = s->counting.count,
-                                                     .load = STRATA_LOAD_CLEAR,
-                                                     .blend = STRATA_BLEND_ADD},
-                       .color_count = arrivals ? 1 : 0,
+                       .color = color,
+                       .color_count = count,
                        .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment),
                                                      .image = s->limit},
                        .depth_test = STRATA_TEST_GREATER_EQUAL});
+}
+
+/* One that counts what arrives, unless that was counted before. */
+static void draw_counted(const kplus *s, const strata_frame *frame, const char *label,
+                         strata_program program, const binds *b, int params) {
+    draw(s, frame, label, program, b,
+         &(strata_attachment){.struct_size = sizeof(strata_attachment),
+                              .image = s->counting.count,
+                              .load = STRATA_LOAD_CLEAR,
+                              .blend = STRATA_BLEND_ADD},
+         s->exact ? 0 : 1, params);
 }
 
 static void finish(const kplus *s, const strata_frame *frame, strata_program program,
@@ -322,7 +391,7 @@ static void record_insertion(const kplus *s, const strata_frame *frame) {
     add_buffer(&b, "Cells", s->cells);
     if (s->path == PATH_LOCK)
         add_buffer(&b, "Failures", s->events);
-    draw(s, frame, "store", s->store_program, &b, !s->exact, !s->exact || s->path == PATH_LOCK);
+    draw_counted(s, frame, "store", s->store_program, &b, !s->exact || s->path == PATH_LOCK);
     finish(s, frame, s->finish_program, s->cells);
 }
 
@@ -331,19 +400,55 @@ static void record_chain(const kplus *s, const strata_frame *frame, path p) {
     const int params = !s->exact;
     binds b = begin_binds(s, 0), alone = {.at = {b.at[0]}, .count = 1};
     compute(s, frame, "empty", s->empty_program, &alone, slots, params);
-    draw(s, frame, "chain", s->chain_program, &b, !s->exact, params);
+    draw_counted(s, frame, "chain", s->chain_program, &b, params);
     if (p == PATH_ATOMIC32 && s->tied) {
-        draw(s, frame, "orders", s->orders_program, &b, 0, params);
-        draw(s, frame, "payload", s->late_payload_program, &b, 0, params);
+        draw(s, frame, "orders", s->orders_program, &b, NULL, 0, params);
+        draw(s, frame, "payload", s->late_payload_program, &b, NULL, 0, params);
     } else {
         binds t = b;
         if (p == PATH_ATOMIC32)
             add_buffer(&t, "Ties", s->events);
-        draw(s, frame, "payload", s->payload_program, &t, 0, params);
+        draw(s, frame, "payload", s->payload_program, &t, NULL, 0, params);
     }
     finish(s, frame, s->chain_finish_program, (strata_buffer){0});
     if (p == PATH_ATOMIC64)
         compute(s, frame, "swap", s->swap_program, &alone, slots, 0);
+}
+
+static void record_ordered(const kplus *s, const strata_frame *frame) {
+    static const char *const names[ATTACHMENTS_MOST] = {"held_0", "held_1", "held_2", "held_3",
+                                                        "held_4", "held_5", "held_6", "held_7"};
+    const uint32_t count = attachment_count(s->params.k), uncounted = s->dropped.id != 0;
+    strata_attachment held[ATTACHMENTS_MOST];
+    binds b = begin_binds(s, 0), alone = {.at = {b.at[0]}, .count = 1}, g = begin_binds(s, 1);
+    if (is_late(s))
+        b = alone;
+    for (uint32_t i = 0; i < count; ++i) {
+        held[i] = (strata_attachment){.struct_size = sizeof(strata_attachment),
+                                      .image = s->held[i],
+                                      .load = STRATA_LOAD_CLEAR,
+                                      .read = 1};
+        g.at[g.count++] = (strata_bind){
+            .struct_size = sizeof(strata_bind), .name = names[i], .image = s->held[i]};
+    }
+    if (uncounted) {
+        frame->fill(frame->self, s->dropped, 0, 0, 0);
+        add_buffer(&b, "Dropped", s->dropped);
+    }
+    if (!s->exact) {
+        compute(s, frame, "needs", s->needs_program, &alone, 1, 1);
+        frame->fill(frame->self, s->counting.totals, 0, 0, 0);
+        add_buffer(&g, "Totals", s->counting.totals);
+        if (uncounted)
+            add_buffer(&g, "Dropped", s->dropped);
+    }
+    draw(s, frame, "ordered", s->ordered_program, &b, held, count, !s->exact && !is_late(s));
+    compute(s, frame, "gather", s->gather_program, &g,
+            (uint64_t)frame->band_width * frame->band_height, !s->exact);
+    if (is_late(s)) {
+        b = begin_binds(s, 0);
+        draw(s, frame, "payload", s->late_payload_program, &b, NULL, 0, !s->exact);
+    }
 }
 
 static void record(void *state, const strata_frame *frame) {
@@ -354,11 +459,13 @@ static void record(void *state, const strata_frame *frame) {
                         k ? k : COUNTING_ALL);
     if (k == 0) {
         const binds b = begin_binds(s, 0);
-        draw(s, frame, "store", s->store_program, &b, 0, 0);
+        draw(s, frame, "store", s->store_program, &b, NULL, 0, 0);
         return;
     }
     frame->fill(frame->self, s->events, 0, 0, 0);
-    if (is_chain(s->path))
+    if (s->path == PATH_ORDERED)
+        record_ordered(s, frame);
+    else if (is_chain(s->path))
         record_chain(s, frame, s->path);
     else if (s->lock_failed)
         record_chain(s, frame, s->other);
@@ -373,7 +480,7 @@ static strata_result verify(void *state, const strata_frame *frame) {
     counting_totals totals;
     uint32_t events = 0;
     strata_result r = counting_verify(&s->counting, frame, &totals);
-    if (r != STRATA_OK || s->params.k == 0 || s->path == PATH_UNLOCKED)
+    if (r != STRATA_OK || s->params.k == 0 || s->path == PATH_UNLOCKED || s->path == PATH_ORDERED)
         return r;
     r = frame->read(frame->self, s->events, 0, sizeof events, &events);
     if (r != STRATA_OK || events == 0)
@@ -417,8 +524,8 @@ static const strata_slot_use fragments_use = {.struct_size = sizeof(strata_slot_
 static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &fragments_use};
 
 static const char *const structure_choices[] = {"auto", "array", "heap", NULL};
-static const char *const exclusion_choices[] = {"auto",     "lock",     "atomic64",
-                                                "atomic32", "unlocked", NULL};
+static const char *const exclusion_choices[] = {"auto",     "lock",    "atomic64", "atomic32",
+                                                "unlocked", "ordered", NULL};
 static const char *const memory_choices[] = {"fixed", "exact", NULL};
 static const char *const payload_choices[] = {"float", "half", "unorm8", NULL};
 static const strata_knob k = {.struct_size = sizeof(strata_knob),
@@ -439,7 +546,7 @@ static const strata_knob exclusion = {.struct_size = sizeof(strata_knob),
                                       .type = STRATA_KNOB_CHOICE,
                                       .name = "exclusion",
                                       .title = "what keeps fragments of a pixel apart",
-                                      .maximum = 4,
+                                      .maximum = 5,
                                       .choices = exclusion_choices};
 static const strata_knob memory = {.struct_size = sizeof(strata_knob),
                                    .type = STRATA_KNOB_CHOICE,
@@ -461,7 +568,8 @@ static const strata_knob tries = {.struct_size = sizeof(strata_knob),
                                   .maximum = 32768,
                                   .preset = 4096};
 static const strata_knob *const knobs[] = {&k, &structure, &exclusion, &memory, &payload, &tries};
-static const char *const prefers[] = {"selftest.ordered_rmw", "feature.int64_atomics", NULL};
+static const char *const prefers[] = {"ordered_attachments", "selftest.ordered_rmw",
+                                      "feature.int64_atomics", NULL};
 
 static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),
