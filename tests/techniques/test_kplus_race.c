@@ -23,6 +23,7 @@ static const char effects[] =
     "#ifndef RACE_EFFECTS\n"
     "#define RACE_EFFECTS\n"
     "struct StrataPayload { uint tag; };\n"
+    "struct StrataElement { vec4 color; };\n"
     "layout(std430) coherent buffer Tags { uint tags[]; };\n"
     "void strata_payload_store(uint slot, StrataPayload payload) { tags[slot] = payload.tag; }\n"
     "#endif\n";
