@@ -83,7 +83,7 @@ static int choose(kplus *s, const strata_settings *settings) {
     const int attachments =
         s->params.k <= ORDERED_MOST && gpu->fact(gpu->self, "ordered_attachments") != 0;
     if (s->path == PATH_AUTO)
-        s->path = attachments ? PATH_ORDERED : s->ordered ? PATH_UNLOCKED : s->other;
+        s->path = s->ordered ? PATH_UNLOCKED : attachments ? PATH_ORDERED : s->other;
     return s->params.k == 0 ||
            ((s->path != PATH_UNLOCKED || s->ordered) && (s->path != PATH_ORDERED || attachments) &&
             (s->path != PATH_ATOMIC64 || s->other == PATH_ATOMIC64));
