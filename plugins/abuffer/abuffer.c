@@ -130,7 +130,7 @@ static void record(void *state, const strata_frame *frame) {
         {.struct_size = sizeof(strata_bind), .pool = a->records},
         {.struct_size = sizeof(strata_bind), .name = "StrataRanges", .buffer = a->ranges}};
     const strata_attachment cursors = {
-        .struct_size = sizeof cursors, .image = a->counting.cursors, .read = 1};
+        .struct_size = sizeof cursors, .image = a->counting.count, .read = 1};
     frame->pass(
         frame->self,
         &(strata_pass){.struct_size = sizeof(strata_pass),
@@ -170,7 +170,7 @@ static strata_result estimate(const strata_scene_stats *stats, const strata_sett
                                              4}; /* STRATA_PAYLOAD_*, of plain transparency */
     (void)stats;
     const int linked = settings->values[0] > 0;
-    cost->bytes_per_pixel = linked ? 8 : 16;
+    cost->bytes_per_pixel = linked ? 8 : 12;
     cost->bytes_per_fragment = 8 + payload_bytes[(int)settings->values[1]] + (linked ? 8 : 0);
     cost->bytes_fixed = 64;
     return STRATA_OK;
@@ -209,7 +209,7 @@ static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),
     .order = STRATA_ORDER_EXACT,
     .determinism = STRATA_DETERMINISM_BIT,
-    .memory = "contiguous: 16 pixels + (8 + payload) fragments; "
+    .memory = "contiguous: 12 pixels + (8 + payload) fragments; "
               "linked: 8 pixels + (16 + payload) fragments; payload: unorm8 4, half 8, float 16"};
 
 static const strata_cost_model cost = {.struct_size = sizeof(strata_cost_model),

@@ -55,12 +55,6 @@ strata_result counting_prepare(counting *c, const strata_gpu *gpu, const strata_
                                      .width = view->width,
                                      .height = view->height};
     strata_result r = gpu->image_create(gpu->self, &count, &c->count);
-    strata_image_desc cursors = count;
-    cursors.label = "cursors";
-    cursors.format = STRATA_FORMAT_R32U;
-    c->cursors = (strata_image){0};
-    if (r == STRATA_OK && offsets == COUNTING_CURSORS)
-        r = gpu->image_create(gpu->self, &cursors, &c->cursors);
     if (r == STRATA_OK)
         r = counting_prepare_totals(c, gpu);
     if (r == STRATA_OK)
@@ -86,8 +80,6 @@ void counting_record(const counting *c, const strata_frame *frame, strata_draws 
     const uint32_t tile_count = tiles(frame->band_width, frame->band_height);
     const strata_bind count = {
         .struct_size = sizeof count, .name = "count_image", .image = c->count};
-    const strata_bind cursors = {
-        .struct_size = sizeof cursors, .name = "cursor_image", .image = c->cursors};
     const strata_bind sums = bind("Sums", c->sums);
     uint32_t groups[3]; /* one a tile */
     strata_groups((uint64_t)tile_count * 64, groups);
@@ -130,15 +122,14 @@ void counting_record(const counting *c, const strata_frame *frame, strata_draws 
                                .bind_count = 2});
     frame->pass(
         frame->self,
-        &(strata_pass){
-            .struct_size = sizeof(strata_pass),
-            .label = "ranges",
-            .program = c->ranges_program,
-            .groups = {groups[0], groups[1]},
-            .params = &most,
-            .params_size = sizeof most,
-            .binds = (const strata_bind[]){count, sums, bind("StrataRanges", ranges), cursors},
-            .bind_count = c->cursors.id ? 4 : 3});
+        &(strata_pass){.struct_size = sizeof(strata_pass),
+                       .label = "ranges",
+                       .program = c->ranges_program,
+                       .groups = {groups[0], groups[1]},
+                       .params = &most,
+                       .params_size = sizeof most,
+                       .binds = (const strata_bind[]){count, sums, bind("StrataRanges", ranges)},
+                       .bind_count = 3});
 }
 
 static uint64_t wide(const uint32_t words[2]) {

@@ -21,10 +21,11 @@ typedef struct counting_totals {
 /* How a store pass finds its slots in a pixel's range. */
 #define COUNTING_STARTS  0 /* by itself: offsets are the ranges' beginnings */
 #define COUNTING_ENDS    1 /* offsets are the ranges' ends, which it counts down to the beginnings */
-#define COUNTING_CURSORS 2 /* beginnings, and in image `cursors` too, which it counts up */
+#define COUNTING_CURSORS 2 /* beginnings, and in the image of counts too, which it counts up */
 
 typedef struct counting {
-    strata_image count, cursors;
+    strata_image
+        count; /* R32F; with COUNTING_CURSORS read and replaced as strata/cursor.glsl says */
     strata_buffer sums, totals;
     strata_program count_program, sums_program, offsets_program, ranges_program;
 } counting;
@@ -32,8 +33,7 @@ typedef struct counting {
 /* The totals alone, for captures that add to them by themselves. */
 strata_result counting_prepare_totals(counting *c, const strata_gpu *gpu);
 
-/* All that counting_record needs, in prepare(). offsets: COUNTING_STARTS, _ENDS or _CURSORS; the
- * last makes a R32U image of the frame's size. */
+/* All that counting_record needs, in prepare(). offsets: COUNTING_STARTS, _ENDS or _CURSORS. */
 strata_result counting_prepare(counting *c, const strata_gpu *gpu, const strata_view *view,
                                int offsets);
 

@@ -2,16 +2,14 @@
 //
 // Exact allocation, pass 4: the range of each pixel. With STRATA_RANGE_ENDS, offsets are written as the
 // range's end; a store pass that counts them down leaves its beginning there and keeps no cursor. With
-// STRATA_RANGE_CURSORS, its beginning is also where the cursor of such a pass begins.
+// STRATA_RANGE_CURSORS, the count makes room for the cursor of such a pass, at the range's beginning.
 #define STRATA_RANGES writeonly
 #include "strata/fragments.glsl"
 #include "strata/tiles.glsl"
+#include "strata/cursor.glsl"
 
 layout(std430) readonly buffer Sums { uint sums[]; };
 STRATA_PARAMS { uint most; } params;
-#ifdef STRATA_RANGE_CURSORS
-layout(r32ui) uniform writeonly uimage2D cursor_image;
-#endif
 
 void main() {
     uint sum = 0u, pixel;
@@ -33,7 +31,8 @@ void main() {
             strata_ranges[pixel] = uvec2(offset, count);
 #endif
 #ifdef STRATA_RANGE_CURSORS
-            imageStore(cursor_image, ivec2(strata_position(pixel)), uvec4(offset));
+            imageStore(count_image, ivec2(strata_position(pixel)),
+                       vec4(strata_cursor(min(offset, STRATA_NO_SLOT))));
 #endif
             offset = end;
         }

@@ -14,15 +14,16 @@
 
 layout(early_fragment_tests) in;
 #ifdef STRATA_CURSORS
+#include "strata/cursor.glsl"
 #include "strata/ordered.glsl"
-STRATA_ORDERED_UINT(0)
+STRATA_ORDERED_FLOAT(0)
 #endif
 layout(std430) buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 
 uint take_slot(uint pixel) {
 #if defined(STRATA_CURSORS)
-    uint slot = STRATA_ORDERED_LOAD(0).r;
-    STRATA_ORDERED_STORE(0, uvec4(slot + 1u));
+    uint slot = strata_cursor_slot(STRATA_ORDERED_LOAD(0).r);
+    STRATA_ORDERED_STORE(0, vec4(strata_cursor(slot + 1u)));
     return slot;
 #elif STRATA_LAYOUT == 1
     uint slot = atomicAdd(strata_needed, 1u);

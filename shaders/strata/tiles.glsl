@@ -11,7 +11,11 @@
 
 #define STRATA_TILE 64u
 
+#ifdef STRATA_RANGE_CURSORS // the counts are replaced
+layout(r32f) uniform image2D count_image;
+#else
 uniform sampler2D count_image;
+#endif
 
 uvec2 strata_tiles() { return (strata_band.zw + STRATA_TILE - 1u) / STRATA_TILE; }
 
@@ -29,7 +33,11 @@ bool strata_tile_pixel(uint i, out uint pixel) {
 }
 
 uint strata_count_at(uint pixel) {
+#ifdef STRATA_RANGE_CURSORS
+    return uint(imageLoad(count_image, ivec2(strata_position(pixel))).r);
+#else
     return uint(texelFetch(count_image, ivec2(strata_position(pixel)), 0).r);
+#endif
 }
 
 #endif
