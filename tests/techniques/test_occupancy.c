@@ -385,6 +385,37 @@ static void kplus_keeps_the_same(void **state) {
     }
 }
 
+/* What was hidden weighs in the certificate as what kplus drops by itself. */
+static void certificates_stay_the_same(void **state) {
+    enum { SIZE = 40 };
+    static const char *const uses[] = {"kplus,ppc", "occupancy,kplus,ppc"};
+    const char *const setting = "kplus.k=4";
+    strata **instances = *state;
+    for (size_t b = 0; b < 2; ++b) {
+        if (!instances[b])
+            continue;
+        static float bounds[2][SIZE * SIZE * 4];
+        strata_scene *sc =
+            picture_scene(instances[b], "scene:hairball?strands=500&segments=8&radius=0.06");
+        for (size_t u = 0; u < 2; ++u) {
+            const strata_render_options options = {.struct_size = sizeof options,
+                                                   .width = SIZE,
+                                                   .height = SIZE,
+                                                   .use = uses[u],
+                                                   .outputs = STRATA_OUTPUT_BOUND,
+                                                   .settings = &setting,
+                                                   .setting_count = 1};
+            if (strata_render(instances[b], sc, &options) != STRATA_OK)
+                fail_msg("%s", strata_error(instances[b]));
+            assert_int_equal(
+                strata_read(instances[b], STRATA_OUTPUT_BOUND, bounds[u], sizeof bounds[u]),
+                STRATA_OK);
+        }
+        assert_memory_equal(bounds[0], bounds[1], sizeof bounds[0]);
+        strata_scene_close(sc);
+    }
+}
+
 /* ---- what it is good for --------------------------------------------------------------------- */
 
 /* In percent, k = 8; the ideal is 8 of 41.5 fragments, 19 %. */
@@ -412,6 +443,7 @@ static void few_survive(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_limit_is_exact_where_buckets_are_keys),
+        cmocka_unit_test(certificates_stay_the_same),
         cmocka_unit_test(the_nearest_k_pass),
         cmocka_unit_test(hard_depths_pass),
         cmocka_unit_test(bands_and_orders_do_not_matter),
