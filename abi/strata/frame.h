@@ -105,6 +105,7 @@ typedef struct strata_view {
 #define STRATA_REPORT_FRAGMENTS_KEPT 2u
 #define STRATA_REPORT_FRAGMENTS_DROPPED 3u /* by design (k) or for want of room */
 #define STRATA_REPORT_MAX_PER_PIXEL 4u
+#define STRATA_REPORT_PIXELS_LOST 5u /* pixels whose order was lost, so that they are wrong */
 
 /* Owned by the host, valid during record() or verify() only. record() is called once for each round
  * of each band; verify() once for each band after the GPU has finished that band. Stages draws,

@@ -92,7 +92,7 @@ void gpu_enumerate(void (*found)(void *user, const gpu_device_info *info, uint32
  * feature.framebuffer_fetch, feature.subgroup_ballot, feature.stencil_export. Self-tests (run when
  * first asked, cached per driver): selftest.timestamps, selftest.ordered_rmw,
  * selftest.ordered_attachments. ordered_attachments: one of the features for it, and its
- * self-test. */
+ * self-test. ordered_access: that, or selftest.ordered_rmw. */
 uint64_t gpu_fact(gpu *g, const char *id);
 
 /* ---- scopes and objects -----------------------------------------------------------------------

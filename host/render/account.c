@@ -79,7 +79,7 @@ static json_t *fragments_json(const render_report *given) {
     }
     if ((report.known & counted) == counted)
         report.dropped = report.before - report.kept;
-    return json_pack("{s:o, s:o, s:o, s:o}", "total",
+    return json_pack("{s:o, s:o, s:o, s:o, s:o}", "total",
                      known(&report, STRATA_REPORT_FRAGMENTS_TOTAL, report.total), "max_per_pixel",
                      known(&report, STRATA_REPORT_MAX_PER_PIXEL, report.largest), "kept",
                      known(&report, STRATA_REPORT_FRAGMENTS_KEPT, report.kept), "dropped",
@@ -87,7 +87,8 @@ static json_t *fragments_json(const render_report *given) {
                            report.known >> STRATA_REPORT_FRAGMENTS_DROPPED & 1u
                                ? STRATA_REPORT_FRAGMENTS_DROPPED
                                : STRATA_REPORT_FRAGMENTS_KEPT, /* kept and none dropped */
-                           report.dropped));
+                           report.dropped),
+                     "pixels_lost", known(&report, STRATA_REPORT_PIXELS_LOST, report.lost));
 }
 
 /* Null: not asked for, or uncertified somewhere. */

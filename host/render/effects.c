@@ -213,12 +213,12 @@ static void add_planes(base_text *text, const plan_payload *payload) {
     base_text_add(text, "#endif\n");
 }
 
-/* word = a | b << 8 | ... of the channels that lie in it */
-static void add_store(base_text *text, const plan_payload *payload) {
+/* Payload to words and back. word = a | b << 8 | ... of the channels that lie in it. */
+static void add_encode(base_text *text, const plan_payload *payload) {
     base_text_add(text,
-                  "void strata_payload_store(uint slot, StrataPayload payload) {\n"
-                  "    uint words[%u];\n",
-                  payload->words + 1);
+                  "#define STRATA_PAYLOAD_WORDS %u\n"
+                  "void strata_payload_encode(StrataPayload payload, out uint words[%u]) {\n",
+                  payload->words, payload->words);
     for (uint32_t word = 0; word < payload->words; ++word) {
         const char *separator = "";
         base_text_add(text, "    words[%u] = ", word);
@@ -234,7 +234,33 @@ static void add_store(base_text *text, const plan_payload *payload) {
             }
         base_text_add(text, "%s;\n", *separator ? "" : "0u");
     }
+    base_text_add(text, "}\n");
+}
+
+static void add_decode(base_text *text, const plan_payload *payload) {
+    base_text_add(text,
+                  "StrataPayload strata_payload_decode(uint words[%u]) {\n"
+                  "    StrataPayload payload;\n",
+                  payload->words);
+    for (uint32_t f = 0; f < payload->field_count; ++f)
+        for (uint32_t c = 0; c < payload->fields[f].channels; ++c) {
+            const plan_channel *at = &payload->fields[f].at[c];
+            base_text_add(text, "    ");
+            add_channel(text, &payload->fields[f], c);
+            base_text_add(text, " = %s(words[%u]", decoder(at->bits), at->word);
+            if (at->bits < 32)
+                base_text_add(text, " >> %u & 0x%xu", at->bit, (1u << at->bits) - 1u);
+            base_text_add(text, ");\n");
+        }
+    base_text_add(text, "    return payload;\n}\n");
+}
+
+static void add_store(base_text *text, const plan_payload *payload) {
     uint32_t word = 0;
+    base_text_add(text,
+                  "void strata_payload_store(uint slot, StrataPayload payload) {\n"
+                  "    uint words[%u];\n    strata_payload_encode(payload, words);\n",
+                  payload->words);
     for (uint32_t i = 0; i < payload->plane_count; ++i) {
         if (payload->plane_strides[i] == 8)
             base_text_add(text,
@@ -249,26 +275,20 @@ static void add_store(base_text *text, const plan_payload *payload) {
 }
 
 static void add_load(base_text *text, const plan_payload *payload) {
-    base_text_add(text, "StrataPayload strata_payload_load(uint slot) {\n"
-                        "    StrataPayload payload;\n");
-    for (uint32_t i = 0; i < payload->plane_count; ++i)
-        base_text_add(text,
-                      payload->plane_strides[i] == 8
-                          ? "    uvec2 plane%u = STRATA_FROM_PAIR(strata_payload%u[slot]);\n"
-                          : "    uint plane%u = strata_payload%u[slot];\n",
-                      i, i);
-    for (uint32_t f = 0; f < payload->field_count; ++f)
-        for (uint32_t c = 0; c < payload->fields[f].channels; ++c) {
-            const plan_channel *at = &payload->fields[f].at[c];
-            base_text_add(text, "    ");
-            add_channel(text, &payload->fields[f], c);
-            base_text_add(text, " = %s(plane%u%s", decoder(at->bits), at->plane,
-                          payload->plane_strides[at->plane] == 8 ? (at->part ? ".y" : ".x") : "");
-            if (at->bits < 32)
-                base_text_add(text, " >> %u & 0x%xu", at->bit, (1u << at->bits) - 1u);
-            base_text_add(text, ");\n");
-        }
-    base_text_add(text, "    return payload;\n}\n");
+    uint32_t word = 0;
+    base_text_add(text, "StrataPayload strata_payload_load(uint slot) {\n    uint words[%u];\n",
+                  payload->words);
+    for (uint32_t i = 0; i < payload->plane_count; ++i) {
+        if (payload->plane_strides[i] == 8)
+            base_text_add(text,
+                          "    uvec2 plane%u = STRATA_FROM_PAIR(strata_payload%u[slot]);\n"
+                          "    words[%u] = plane%u.x;\n    words[%u] = plane%u.y;\n",
+                          i, i, word, i, word + 1, i);
+        else
+            base_text_add(text, "    words[%u] = strata_payload%u[slot];\n", word, i);
+        word += payload->plane_strides[i] / 4;
+    }
+    base_text_add(text, "    return strata_payload_decode(words);\n}\n");
 }
 
 /* Which effect emits for each material, read by strata_emit when there are several. */
@@ -329,6 +349,8 @@ strata_result render_effects(render_session *session, base_error *err) {
     snprintf(channels, sizeof channels, "%u", p->transmittance_channels);
     add_structs(&text, p, (int)session->certify);
     add_calls(&text, p, (int)session->certify);
+    add_encode(&text, &p->payload);
+    add_decode(&text, &p->payload);
     add_planes(&text, &p->payload);
     base_text_add(&text, "#ifdef STRATA_PAYLOAD_WRITE\n");
     add_store(&text, &p->payload);

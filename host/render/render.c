@@ -195,6 +195,11 @@ static strata_result render_frames(strata *s, const strata_render_options *optio
     }
     result->bands = s->session->band_count;
     result->report = s->session->report;
+    if (result->report.lost > 0)
+        render_warn(s,
+                    "%llu pixels are wrong: their fragments arrived out of order by more than the "
+                    "technique holds",
+                    (unsigned long long)result->report.lost);
     return STRATA_OK;
 }
 

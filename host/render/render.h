@@ -84,6 +84,7 @@ typedef struct render_shortage {
 #define RENDER_REPORT_BEFORE 1u /* bit of render_report.known */
 typedef struct render_report {
     uint64_t total, kept, dropped, largest;
+    uint64_t lost;   /* pixels */
     uint64_t before; /* total of a clip technique, which hides some from those after it */
     uint32_t known;  /* bit 1 << STRATA_REPORT_*, or RENDER_REPORT_BEFORE */
 } render_report;
