@@ -77,11 +77,12 @@ uint flush(uint pixel) {
     state_load(pixel);
     if (words[0] == 0u)
         return 0u;
-    strata_output(pixel, sorter_flush());
+    StrataElement walk = sorter_flush();
     if ((words[1] & LOST) != 0u) {
         atomicAdd(lost_pixels, 1u);
         strata_uncertified(pixel);
     }
+    strata_output(pixel, walk);
     return words[0];
 }
 

@@ -98,6 +98,8 @@ static strata_result prepare(void *state, const strata_view *view) {
     for (uint32_t i = 0; i < view->payload_plane_count; ++i)
         payload += view->payload_plane_strides[i] / 4;
     s->words = 7 + view->transmittance_channels + k * (2 + payload);
+    if (view->certify)
+        s->words += 4 + view->transmittance_channels;
     s->draws = view->draws(view->self, "draws.transparent/1");
     s->color = view->image(view->self, "color/1");
     s->limit = view->image(view->self, "limit/1");
@@ -205,7 +207,11 @@ static const strata_slot_use limit_use = {
     .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_CONSUMES, .slot = "limit/1"};
 static const strata_slot_use color_use = {
     .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_UPDATES, .slot = "color/1"};
-static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &color_use};
+static const strata_slot_use bound_use = {.struct_size = sizeof(strata_slot_use),
+                                          .use = STRATA_SLOT_UPDATES,
+                                          .slot = "bound/1",
+                                          .optional = 1};
+static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &color_use, &bound_use};
 
 static const char *const payload_choices[] = {"float", "half", "unorm8", NULL};
 static const strata_knob k_knob = {.struct_size = sizeof(strata_knob),
@@ -251,7 +257,7 @@ static const strata_technique technique = {
     .reference = "Callahan, Ikits, Comba and Silva 2005",
     .stage = "stream",
     .slots = slots,
-    .slot_count = 3,
+    .slot_count = 4,
     .knobs = knobs,
     .knob_count = 2,
     .promises = &promises,

@@ -7,13 +7,19 @@
 //   1, 2     key and order of the last fragment folded; bit 31 of the key: the order was lost
 //   3..6     colour of the walk
 //   7..      its transmittance: bits against those of 1.0, one word or three
+//   ERRORS.. the bounds of its errors, four words and one or three, where a certificate is asked for
 //   STATE..  K entries, nearest first, the empty ones last: complement of the key, order, payload
 #include "strata/fold.glsl"
 #include "strata/key.glsl"
 
 const uint LOST = 0x80000000u;
 const uint ONE = 0x3f800000u;
-#define STATE (7 + STRATA_CHANNELS)
+#define ERRORS (7 + STRATA_CHANNELS)
+#ifdef STRATA_BOUND
+#define STATE (ERRORS + 4 + STRATA_CHANNELS)
+#else
+#define STATE ERRORS
+#endif
 #define ENTRY (2 + STRATA_PAYLOAD_WORDS)
 #define WORDS (STATE + K * ENTRY)
 
@@ -30,25 +36,43 @@ uint words[WORDS];
 
 uvec2 entry_id(int i) { return uvec2(~words[STATE + i * ENTRY], words[STATE + i * ENTRY + 1]); }
 
+#if STRATA_CHANNELS == 3
+#define TRANSMITTANCE_LOAD(at, zero)                                                               \
+    uintBitsToFloat(uvec3(words[at], words[at + 1], words[at + 2]) ^ zero)
+#define TRANSMITTANCE_STORE(at, value, zero)                                                       \
+    for (int c = 0; c < 3; ++c)                                                                    \
+        words[at + c] = floatBitsToUint(value[c]) ^ zero;
+#else
+#define TRANSMITTANCE_LOAD(at, zero) uintBitsToFloat(words[at] ^ zero)
+#define TRANSMITTANCE_STORE(at, value, zero) words[at] = floatBitsToUint(value) ^ zero;
+#endif
+
+vec4 color_load(int at) {
+    return uintBitsToFloat(uvec4(words[at], words[at + 1], words[at + 2], words[at + 3]));
+}
+
+void color_store(int at, vec4 value) {
+    for (int c = 0; c < 4; ++c)
+        words[at + c] = floatBitsToUint(value[c]);
+}
+
 StrataElement walk_load() {
     StrataElement walk;
-    walk.color = uintBitsToFloat(uvec4(words[3], words[4], words[5], words[6]));
-#if STRATA_CHANNELS == 3
-    walk.transmittance = uintBitsToFloat(uvec3(words[7], words[8], words[9]) ^ ONE);
-#else
-    walk.transmittance = uintBitsToFloat(words[7] ^ ONE);
+    walk.color = color_load(3);
+    walk.transmittance = TRANSMITTANCE_LOAD(7, ONE);
+#ifdef STRATA_BOUND
+    walk.color_error = color_load(ERRORS);
+    walk.transmittance_error = TRANSMITTANCE_LOAD(ERRORS + 4, 0u);
 #endif
     return walk;
 }
 
 void walk_store(StrataElement walk) {
-    for (int c = 0; c < 4; ++c)
-        words[3 + c] = floatBitsToUint(walk.color[c]);
-#if STRATA_CHANNELS == 3
-    for (int c = 0; c < 3; ++c)
-        words[7 + c] = floatBitsToUint(walk.transmittance[c]) ^ ONE;
-#else
-    words[7] = floatBitsToUint(walk.transmittance) ^ ONE;
+    color_store(3, walk.color);
+    TRANSMITTANCE_STORE(7, walk.transmittance, ONE)
+#ifdef STRATA_BOUND
+    color_store(ERRORS, walk.color_error);
+    TRANSMITTANCE_STORE(ERRORS + 4, walk.transmittance_error, 0u)
 #endif
 }
 

@@ -150,10 +150,45 @@ static void lost_orders_are_counted(void **state) {
     }
 }
 
+/* In order: a bound, which is that of rounding, everywhere. Out of order: none where it was lost.
+ */
+static void lost_orders_are_uncertified(void **state) {
+    static const struct {
+        const char *path;
+        uint64_t uncertified;
+    } rows[] = {{"scene:layers?count=33&order=near", 0},
+                {"scene:layers?count=33&order=far", 8 * 8}};
+    const char *const settings[] = {"kbuffer.k=2"};
+    (void)state;
+    for (size_t b = 0; b < BACKENDS; ++b)
+        for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
+            strata *instance = picture_instance(backends[b]);
+            if (!instance || !picture_fact(instance, "ordered_access"))
+                continue;
+            strata_scene *sc = picture_scene(instance, rows[i].path);
+            const strata_render_options options = {.struct_size = sizeof options,
+                                                   .width = 8,
+                                                   .height = 8,
+                                                   .use = "kbuffer",
+                                                   .outputs = STRATA_OUTPUT_BOUND,
+                                                   .settings = settings,
+                                                   .setting_count = 1};
+            if (strata_render(instance, sc, &options) != STRATA_OK)
+                fail_msg("%s: %s", backends[b], strata_error(instance));
+            const render_result *result = &instance->result;
+            assert_int_equal(result->report.lost, rows[i].uncertified);
+            assert_int_equal(result->bound.uncertified, rows[i].uncertified);
+            assert_true(rows[i].uncertified > 0 ||
+                        (result->bound.max > 0 && result->bound.max < 1e-4));
+            strata_scene_close(sc);
+        }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sorted_streams_are_exact),
         cmocka_unit_test(lost_orders_are_counted),
+        cmocka_unit_test(lost_orders_are_uncertified),
     };
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
     picture_close();
