@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // peel, between steps, full screen: folds what the last step took and gets the next one ready. Step 0
-// empties everything. Front to back it also writes the depth that pass 1 starts from: the limit; where one
-// of several is wanted, their depth; where nothing is left to take, the near plane, which nothing passes.
+// empties everything. Front to back it also writes the depth that pass 1 starts from: the limit, or
+// where nothing is left to take the near plane, which nothing passes.
 #define STRATA_PAYLOAD_READ
 #define PEEL_LAST
 #define PEEL_WALKS
@@ -53,7 +53,7 @@ bool peel_advance(uint pixel, uint side) {
     uint wanted = found.tied != 0u ? found.rank : 0u;
     if (wanted == 0u)
         peel_take(pixel, slot, side, found);
-    peel_found[slot] = PeelFound(0u, found.key, 0u, wanted);
+    peel_found[slot] = PeelFound(0u, 0u, 0u, wanted);
     return !peel_full(pixel);
 }
 
@@ -71,9 +71,6 @@ void main() {
             atomicMax(peel_reached, params.step);
     }
 #if PEEL_SIDES == 1
-    PeelFound next = peel_found[peel_slot(pixel, PEEL_FRONT)];
-    float start = next.wanted != 0u ? strata_key_depth(next.key)
-                                    : texelFetch(limit, ivec2(gl_FragCoord.xy), 0).r;
-    gl_FragDepth = more ? start : 1.0;
+    gl_FragDepth = more ? texelFetch(limit, ivec2(gl_FragCoord.xy), 0).r : 1.0;
 #endif
 }
