@@ -113,8 +113,13 @@ static int check_accuracy(const plan_work *w, plan_candidate *c) {
         plan_reason(c, "it is approximate, without a bound; --use may name it");
         return 1;
     }
-    if (order_of(c) == STRATA_ORDER_NEAREST && !(w->in->tolerance > 0.0)) {
-        plan_reason(c, "it keeps the nearest fragments only, and no tolerance is given");
+    if (order_of(c) == STRATA_ORDER_NEAREST && !(plan_tolerance(w->in) > 0.0)) {
+        plan_reason(c, "it keeps the nearest fragments only, and %s",
+                    w->in->tolerance > 0.0 ? "the tolerance was missed" : "no tolerance is given");
+        return 1;
+    }
+    if (w->in->tolerance > 0.0 && !plan_certifies(c)) {
+        plan_reason(c, "it cannot say how wrong it may be, and a tolerance is given");
         return 1;
     }
     if (is_too_deep(w, c)) {

@@ -145,8 +145,9 @@ static strata_result warn_unchecked(plan_work *w) {
 
 static strata_result make(plan_work *w) {
     strata_result (*const steps[])(plan_work *) = {
-        plan_collect, plan_resolve_settings, plan_assess,   plan_choose,    make_payload,
-        expect_bands, warn_unanswered,       warn_settings, warn_unchecked, write_out,
+        plan_collect,    plan_resolve_settings, plan_trade,     plan_assess,
+        plan_choose,     plan_explain_trades,   make_payload,   expect_bands,
+        warn_unanswered, warn_settings,         warn_unchecked, write_out,
     };
     strata_result result = plan_decide_effects(w->in, w->out, w->err);
     for (size_t i = 0; i < BASE_COUNT(steps) && result == STRATA_OK; i++)

@@ -17,6 +17,7 @@
 #define PLAN_MAX_FIELDS 16u
 #define PLAN_MAX_PLANES (STRATA_MAX_PLANES - 2u) /* of payload: beside keys and links */
 #define PLAN_NO_COST    (-1.0)
+#define PLAN_RAISE_EXACT 5u
 
 /* ---- input ----------------------------------------------------------------------------------- */
 
@@ -43,7 +44,7 @@ typedef struct plan_input {
     uint32_t exclusion_count;
     uint32_t samples;        /* sub-pixels a pixel, 0 = 1 */
     uint32_t need_fragments; /* 1: fragments/1 with every fragment is asked for (deep output) */
-    uint32_t reserved;
+    uint32_t raise;   /* times that the tolerance was missed; PLAN_RAISE_EXACT: the exact way */
     double tolerance; /* largest certified error accepted; 0 = exact techniques */
     uint64_t memory;  /* bytes techniques may take, 0 = unknown */
 } plan_input;

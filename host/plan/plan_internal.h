@@ -7,6 +7,7 @@
  *     assess.c    what each technique could do    choose.c    which of them run
  *     fold.c      the one that folds           clip.c      what limits it
  *     payload.c   layout of a record              json.c      the plan as JSON
+ *     tolerance.c knobs that trade accuracy
  */
 #ifndef STRATA_HOST_PLAN_INTERNAL_H
 #define STRATA_HOST_PLAN_INTERNAL_H
@@ -77,6 +78,13 @@ strata_result plan_decide_effects(const plan_input *in, plan *out, base_error *e
 /* ---- settings.c */
 strata_result plan_resolve_settings(plan_work *w);                   /* presets, then the user's */
 int plan_knob(const modules_technique_note *note, const char *name); /* index or -1 */
+
+/* ---- tolerance.c */
+double plan_tolerance(const plan_input *in); /* 0: exact techniques alone */
+strata_result plan_trade(plan_work *w);      /* knobs that trade accuracy, where the user set none */
+strata_result plan_explain_trades(plan_work *w);
+/* Whether it says how wrong its image may be; what captures leaves that to what folds. */
+int plan_certifies(const plan_candidate *c);
 
 /* ---- assess.c */
 strata_result plan_collect(plan_work *w); /* candidates, with roles and costs */

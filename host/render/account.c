@@ -48,6 +48,8 @@ void render_result_clear(render_result *result) {
     for (uint32_t i = 0; i < result->warning_count; ++i)
         free(result->warnings[i]);
     free(result->warnings);
+    for (uint32_t i = 0; i < result->step_count; ++i)
+        free(result->steps[i].plan);
     free(result->scene_path);
     *result = (render_result){0};
 }
@@ -92,10 +94,24 @@ static json_t *fragments_json(const render_report *given) {
 }
 
 /* Null: not asked for, or uncertified somewhere. */
-static json_t *bound_json(const render_bound *bound) {
-    if (!bound->known || bound->uncertified > 0)
+static json_t *bound_json(uint32_t known, uint64_t uncertified, double max, double mean) {
+    return known && uncertified == 0 ? json_pack("{s:f, s:f}", "max", max, "mean", mean)
+                                     : json_null();
+}
+
+/* Null: none was asked for. Each rendering on the way, the last of them the result. */
+static json_t *tolerance_json(const render_result *result) {
+    if (!(result->tolerance > 0))
         return json_null();
-    return json_pack("{s:f, s:f}", "max", bound->max, "mean", bound->mean);
+    json_t *steps = json_array();
+    for (uint32_t i = 0; i < result->step_count; ++i) {
+        const render_step *s = &result->steps[i];
+        json_array_append_new(steps, json_pack("{s:s, s:o, s:I}", "plan", s->plan, "bound",
+                                               bound_json(1, s->uncertified, s->max, s->mean),
+                                               "uncertified_pixels", (json_int_t)s->uncertified));
+    }
+    return json_pack("{s:f, s:b, s:o}", "asked", result->tolerance, "certified",
+                     render_bound_holds(result), "steps", steps);
 }
 
 /* Of each technique that ran, and of the scene and the host's own targets. */
@@ -147,14 +163,17 @@ json_t *render_account_json(const strata *s) {
         json_array_append_new(frame_ms, json_real(result->frame_ms[i]));
     const render_session *session = s->session;
     return json_pack(
-        "{s:s, s:o, s:[i,i], s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:o}",
+        "{s:s, s:o, s:[i,i], s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, "
+        "s:o}",
         "scene", result->scene_path ? result->scene_path : "", "device", render_device_json(s),
         "size", (int)result->width, (int)result->height, "samples", (int)result->samples, "filter",
         render_filter_json(result->samples, result->filter), "effects",
         plan_json_effects(session->plan), "plan", plan_json_techniques(session->plan),
         "modules_opened", opened_json(s), "passes", passes_json(result), "frame_ms", frame_ms,
         "bytes", bytes_json(s), "fragments", fragments_json(&result->report), "bound",
-        bound_json(&result->bound), "retries", (int)result->retries, "bands", (int)result->bands,
-        "stalls", (int)result->stalls, "warnings",
+        bound_json(result->bound.known, result->bound.uncertified, result->bound.max,
+                   result->bound.mean),
+        "tolerance", tolerance_json(result), "retries", (int)result->retries, "bands",
+        (int)result->bands, "stalls", (int)result->stalls, "warnings",
         render_warnings_json(s, session->scene, session->plan));
 }

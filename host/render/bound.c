@@ -161,3 +161,44 @@ strata_result render_bound_read(const render_session *session, render_bound *out
     out->mean = pixels > out->uncertified ? sum / (double)(pixels - out->uncertified) : 0;
     return STRATA_OK;
 }
+
+/* ---- tolerance ------------------------------------------------------------------------------- */
+
+/* The techniques of a plan, each with those of its knobs that trade accuracy. */
+static char *plan_line(const plan *p) {
+    base_text text = {0};
+    for (uint32_t i = 0; i < p->technique_count; ++i) {
+        const plan_technique *t = &p->techniques[i];
+        base_text_add(&text, "%s%s", i ? " " : "", t->technique->id);
+        for (uint32_t k = 0; k < t->technique->knob_count; ++k) {
+            const strata_knob *knob = t->technique->knobs[k];
+            if (knob->trades_accuracy && knob->type == STRATA_KNOB_CHOICE)
+                base_text_add(&text, " %s.%s=%s", t->technique->id, knob->name,
+                              knob->choices[(size_t)t->values[k]]);
+            else if (knob->trades_accuracy)
+                base_text_add(&text, " %s.%s=%.9g", t->technique->id, knob->name, t->values[k]);
+        }
+    }
+    base_text_add(&text, "%s", p->technique_count ? "" : "nothing");
+    if (!text.failed)
+        return text.data;
+    base_text_free(&text);
+    return NULL;
+}
+
+int render_bound_holds(const render_result *result) {
+    return result->bound.uncertified == 0 && result->bound.max <= result->tolerance;
+}
+
+strata_result render_bound_note(strata *s, base_error *err) {
+    const render_bound *bound = &s->result.bound;
+    render_step *step = &s->result.steps[s->result.step_count];
+    *step = (render_step){.plan = plan_line(s->session->plan),
+                          .max = bound->max,
+                          .mean = bound->mean,
+                          .uncertified = bound->uncertified};
+    if (!step->plan)
+        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "tolerance: out of memory");
+    s->result.step_count++;
+    return STRATA_OK;
+}

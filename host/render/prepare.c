@@ -110,6 +110,7 @@ strata_result render_plan(strata *s, scene *sc, const strata_render_options *opt
                         .samples = options->samples,
                         .need_fragments = (options->outputs & STRATA_OUTPUT_DEEP) != 0,
                         .tolerance = options->tolerance,
+                        .raise = s->raise,
                         .memory = s->memory};
     const modules_note **notes = NULL;
     strata_result r = render_modules(s, err);
@@ -185,6 +186,24 @@ static strata_result refresh(render_session *session, const strata_render_option
         r = follow_edits(session, err);
     if (r == STRATA_OK && options->bands > session->band_count)
         r = render_bands(session, options->bands, err);
+    return r;
+}
+
+strata_result render_same_plan(strata *s, scene *sc, const strata_render_options *options,
+                               int *same, base_error *err) {
+    plan *p = NULL;
+    scene_view view;
+    *same = 0;
+    strata_result r = render_plan(s, sc, options, &p, &view, err);
+    if (r != STRATA_OK)
+        return r;
+    char *key = plan_key(p);
+    if (!key)
+        r = base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "plan: out of memory");
+    else
+        *same = s->session && strcmp(s->session->plan_text, key) == 0;
+    free(key);
+    plan_free(p);
     return r;
 }
 

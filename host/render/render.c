@@ -156,6 +156,8 @@ static strata_result read_back(strata *s, const strata_render_options *options, 
     render_session *session = s->session;
     render_result *result = &s->result;
     const strata_image shown = session->image.id ? session->image : session->color;
+    image_free(&result->color); /* of a rendering that missed the tolerance */
+    image_free(&result->depth);
     strata_result r = image_create(result->width, result->height, &result->color, err);
     if (r == STRATA_OK)
         r = gpu_image_read(s->gpu, shown, 0, result->color.pixels,
@@ -256,10 +258,71 @@ static void forget_exclusions(strata *s, uint32_t count) {
     }
 }
 
+/* Renders, with other techniques where some fail, and reads back. */
+static strata_result render_once(strata *s, scene *sc, const strata_render_options *options,
+                                 base_error *err) {
+    base_error first = {0};
+    const uint32_t exclusions = s->exclusion_count;
+    strata_result r = STRATA_OK;
+    int out_of_memory = 0;
+    for (uint32_t i = 0; i < MAX_REPLANS; ++i) {
+        const char *failed = NULL;
+        *err = (base_error){0};
+        r = attempt(s, sc, options, &failed, err);
+        out_of_memory |= r == STRATA_ERROR_OUT_OF_DEVICE_MEMORY;
+        if (r == STRATA_OK || !recoverable(s, r, failed, err))
+            break;
+        if (first.result == STRATA_OK)
+            first = *err;
+    }
+    if (r == STRATA_OK)
+        r = read_back(s, options, err);
+    if (r != STRATA_OK || out_of_memory)
+        forget_exclusions(s, exclusions);
+    if (r != STRATA_OK && first.result != STRATA_OK)
+        *err = first; /* what went wrong first explains more than that no plan was left */
+    return r == STRATA_OK ? r : err->result;
+}
+
+/* Raises the plan until it differs from what was rendered; *more = 0: there is nothing else. */
+static strata_result raise_plan(strata *s, scene *sc, const strata_render_options *options,
+                                int *more, base_error *err) {
+    int same = 1;
+    strata_result r = STRATA_OK;
+    while (same && s->raise < PLAN_RAISE_EXACT && r == STRATA_OK) {
+        s->raise++;
+        r = render_same_plan(s, sc, options, &same, err);
+    }
+    *more = !same;
+    return r;
+}
+
+/* Again and again, until the certificate is within the tolerance. PARTIAL: it never was. */
+static strata_result render_within(strata *s, scene *sc, const strata_render_options *options,
+                                   base_error *err) {
+    strata_result r = render_once(s, sc, options, err);
+    int more = 1;
+    while (r == STRATA_OK && options->tolerance > 0) {
+        r = render_bound_note(s, err);
+        if (r != STRATA_OK || render_bound_holds(&s->result))
+            return r;
+        r = raise_plan(s, sc, options, &more, err);
+        if (r == STRATA_OK && !more) {
+            render_warn(s, "the certificate does not hold the tolerance of %.3g",
+                        options->tolerance);
+            return STRATA_PARTIAL;
+        }
+        if (r == STRATA_OK)
+            r = render_once(s, sc, options, err);
+    }
+    return r;
+}
+
 strata_result strata_render(strata *s, strata_scene *sc, const strata_render_options *given) {
     strata_render_options options;
     base_error err = {0};
     s->error = (base_error){0};
+    s->raise = 0;
     render_result_clear(&s->result);
     strata_result r = render_own(s, sc, &s->error);
     if (r == STRATA_OK)
@@ -271,33 +334,15 @@ strata_result strata_render(strata *s, strata_scene *sc, const strata_render_opt
     s->result.height = options.height;
     s->result.samples = options.samples;
     s->result.filter = render_filter(&options);
+    s->result.tolerance = options.tolerance;
     s->result.scene_path = base_strdup(sc->scene->path ? sc->scene->path : "");
     s->result.frame_ms = base_calloc(options.repeat, sizeof *s->result.frame_ms);
     if (!s->result.frame_ms || !s->result.scene_path)
         return base_fail(&s->error, STRATA_ERROR_OUT_OF_HOST_MEMORY, "out of memory");
-
-    base_error first = {0};
-    const uint32_t exclusions = s->exclusion_count;
-    int out_of_memory = 0;
-    for (uint32_t i = 0; i < MAX_REPLANS; ++i) {
-        const char *failed = NULL;
-        err = (base_error){0};
-        r = attempt(s, sc->scene, &options, &failed, &err);
-        out_of_memory |= r == STRATA_ERROR_OUT_OF_DEVICE_MEMORY;
-        if (r == STRATA_OK || !recoverable(s, r, failed, &err))
-            break;
-        if (first.result == STRATA_OK)
-            first = err;
-    }
-    if (r == STRATA_OK)
-        r = read_back(s, &options, &err);
-    s->result.valid = r == STRATA_OK;
-    if (r != STRATA_OK || out_of_memory)
-        forget_exclusions(s, exclusions);
-    if (r != STRATA_OK) /* what went wrong first explains more than that no plan was left */
-        base_fail(&s->error, first.result != STRATA_OK ? first.result : r, "%s",
-                  first.result != STRATA_OK ? first.text : err.text);
-    return s->error.result;
+    r = render_within(s, sc->scene, &options, &err);
+    s->raise = 0;
+    s->result.valid = r == STRATA_OK || r == STRATA_PARTIAL;
+    return s->result.valid ? r : base_fail(&s->error, err.result, "%s", err.text);
 }
 
 /* ---- outputs --------------------------------------------------------------------------------- */

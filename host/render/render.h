@@ -149,12 +149,22 @@ typedef struct render_bound {
     uint32_t known;       /* 1: a certificate was asked for */
 } render_bound;
 
+/* One rendering on the way to a tolerance. */
+typedef struct render_step {
+    char *plan; /* "kplus kplus.k=8 ..": what ran, with what trades accuracy */
+    double max, mean;
+    uint64_t uncertified; /* pixels */
+} render_step;
+
 /* What the last render did, for the account and the outputs. */
 typedef struct render_result {
     uint32_t valid, width, height, samples, filter, outputs;
     scene_view view;
     image color, depth;
     render_bound bound;
+    double tolerance; /* 0: none was asked for */
+    render_step steps[PLAN_RAISE_EXACT + 1];
+    uint32_t step_count;
     render_deep deep_build;
     image_deep deep;
     uint32_t has_depth, has_deep;
@@ -184,6 +194,7 @@ struct strata {
     uint32_t exclusion_count;
     struct strata_scene *scenes;
     uint32_t losses; /* of the device, in all renders */
+    uint32_t raise;  /* of the plan: how often the tolerance was missed in this render */
 };
 
 /* ---- render.c -------------------------------------------------------------------------------- */
@@ -204,6 +215,9 @@ strata_result render_plan(strata *s, scene *sc, const strata_render_options *opt
 /* Opens the device unless it is open. */
 strata_result render_device(strata *s, base_error *err);
 strata_result render_modules(strata *s, base_error *err);
+/* Whether these options would be rendered, at this raise, as the session was. */
+strata_result render_same_plan(strata *s, scene *sc, const strata_render_options *options,
+                               int *same, base_error *err);
 /* Makes s->session fit the plan and options, keeping the old one where nothing changed. Takes
  * ownership of p in any case. */
 strata_result render_session_open(strata *s, scene *sc, const strata_render_options *options,
@@ -252,6 +266,9 @@ strata_result render_bound_create(render_session *session, base_error *err);
 strata_result render_bound_prepare(render_session *session, base_error *err);
 void render_bound_begin(render_session *session);      /* recorded first in a frame */
 void render_bound_begin_band(render_session *session); /* recorded first in a band */
+/* Whether the result's certificate is within its tolerance; and notes that step. */
+int render_bound_holds(const render_result *result);
+strata_result render_bound_note(strata *s, base_error *err);
 strata_result render_bound_read(const render_session *session, render_bound *out, base_error *err);
 
 /* ---- deep.c ---------------------------------------------------------------------------------- */

@@ -65,6 +65,7 @@ static const strata_knob nearest = {
     .unit = "fragments",
     .maximum = 64,
     .preset = 8,
+    .trades_accuracy = 1,
 };
 static const strata_knob buckets = {
     .struct_size = sizeof buckets,
@@ -98,7 +99,9 @@ static const strata_knob sides = {
 };
 
 #define TRANSPARENT SLOT(CONSUMES, "draws.transparent/1", 0, 0), SLOT(CONSUMES, "limit/1", 0, 0)
-#define FOLDS(bits) SLOTS(SLOT(CONSUMES, "fragments/1", bits, 0), SLOT(UPDATES, "color/1", 0, 0))
+#define CERTIFIES   SLOT(UPDATES, "bound/1", 0, 1)
+#define FOLDS(bits)                                                                                \
+    SLOTS(SLOT(CONSUMES, "fragments/1", bits, 0), SLOT(UPDATES, "color/1", 0, 0), CERTIFIES)
 
 static const modules_technique_note techniques[] = {
     {.id = "surface",
@@ -163,13 +166,13 @@ static const modules_technique_note techniques[] = {
     {.id = "walker", .stage = "resolve", FOLDS(LINKED), PROMISE(EXACT, BIT, 0), COST(2)},
     {.id = "peel",
      .stage = "stream",
-     SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0)),
+     SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0), CERTIFIES),
      KNOBS(&layers, &sides),
      PROMISE(EXACT, BIT, 0),
      COST(5)},
     {.id = "pass", /* one for each layer: 10 units of depth for 1,000 fragments */
      .stage = "stream",
-     SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0)),
+     SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0), CERTIFIES),
      KNOBS(&layers),
      PROMISE(EXACT, BIT, 100),
      .cost = &(const strata_cost_model){.struct_size = sizeof(strata_cost_model),
@@ -181,7 +184,7 @@ static const modules_technique_note techniques[] = {
                                         .per_depth_triangle = 2}},
     {.id = "kbuffer",
      .stage = "stream",
-     SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0)),
+     SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0), CERTIFIES),
      PROMISE(NEAREST, BIT, 0),
      COST(1.5),
      .needs = (const char *const[]){"selftest.ordered_rmw", NULL}},
@@ -405,6 +408,7 @@ strata_result ask(const request *r, kit *k, demand *d, plan **out, base_error *e
         .fact = r->device && r->device[0] == '?' ? NULL : fact_in_list,
         .user = facts,
         .tolerance = r->tolerance,
+        .raise = r->raise,
         .samples = r->samples,
         .need_fragments = r->deep,
     };

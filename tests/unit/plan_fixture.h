@@ -34,7 +34,7 @@ typedef struct request {
     const char *settings[3];
     const char *device; /* NULL = everything; "?" = no device known */
     double tolerance;
-    uint32_t samples, deep;
+    uint32_t samples, deep, raise;
 } request;
 
 #define FOR(modules, letters) .installed = (modules), .scene = (letters)

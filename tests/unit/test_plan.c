@@ -95,7 +95,7 @@ static void techniques_run_in_order(void **state) {
          "maker surface taker"},
         {{FOR("surface taker peel over", "ob")}, "surface peel"},
         {{FOR("surface wisher", "o"), .use = "wisher"}, "wisher surface"},
-        {{FOR("tinted tinter peel over", "ob")}, "tinter tinted peel"},
+        {{FOR("tinted tinter priceless over", "ob")}, "tinter tinted priceless"},
         /* samples and costs */
         {{FOR(ALL, "ob"), .samples = 1}, "surface stencil ppc"},
         {{FOR(ALL, "ob"), .samples = 4}, "surface stencil ppc filter"},
@@ -126,6 +126,86 @@ static void techniques_run_in_order(void **state) {
             assert_true(p->left_out[n].reason[0] != '\0');
         for (uint32_t n = 0; n < p->technique_count; n++)
             assert_true(p->techniques[n].reason[0] != '\0');
+        plan_free(p);
+    }
+}
+
+/* Under a tolerance: what runs, and one of its knobs, at each raise. */
+static void tolerances_are_traded_and_raised(void **state) {
+    (void)state;
+    static const struct {
+        request r;
+        const char *order, *id, *knob;
+        double value;
+    } rows[] = {
+        {{FOR("kplus ppc abuffer over", "b")}, "abuffer ppc", "abuffer", "payload", 0},
+        {{FOR("kplus ppc abuffer over", "b"), .tolerance = 0.1}, "kplus ppc", "kplus", "k", 8},
+        {{FOR("kplus ppc abuffer over", "b"), .tolerance = 0.1, .raise = 1},
+         "kplus ppc",
+         "kplus",
+         "k",
+         16},
+        {{FOR("kplus ppc abuffer over", "b"), .tolerance = 0.1, .raise = 3},
+         "kplus ppc",
+         "kplus",
+         "k",
+         64},
+        {{FOR("kplus ppc abuffer over", "b"), .tolerance = 0.1, .raise = 4},
+         "kplus ppc",
+         "kplus",
+         "k",
+         64}, /* the most it has */
+        {{FOR("kplus ppc abuffer over", "b"), .tolerance = 0.1, .raise = 5},
+         "abuffer ppc",
+         "abuffer",
+         "payload",
+         0}, /* the exact way */
+        {{FOR("kplus ppc abuffer over", "b"), .tolerance = 0.1, .raise = 5, .use = "kplus"},
+         "kplus ppc",
+         "kplus",
+         "k",
+         0},
+        {{FOR("kplus ppc abuffer over", "b"), .tolerance = 0.1, .raise = 2,
+          .settings = {"kplus.k=5"}},
+         "kplus ppc",
+         "kplus",
+         "k",
+         5}, /* the user's stays */
+        {{FOR("abuffer ppc over", "b"), .tolerance = 0.05}, "abuffer ppc", "abuffer", "payload", 2},
+        {{FOR("abuffer ppc over", "b"), .tolerance = 0.05, .raise = 1},
+         "abuffer ppc",
+         "abuffer",
+         "payload",
+         1},
+        {{FOR("abuffer ppc over", "b"), .tolerance = 0.005},
+         "abuffer ppc",
+         "abuffer",
+         "payload",
+         1},
+        {{FOR("abuffer ppc over", "b"), .tolerance = 1e-6}, "abuffer ppc", "abuffer", "payload", 0},
+        {{FOR("abuffer ppc over", "b"), .tolerance = 0.05, .raise = 9,
+          .settings = {"abuffer.payload=unorm8"}},
+         "abuffer ppc",
+         "abuffer",
+         "payload",
+         2},
+        {{FOR("abuffer ppc priceless over", "b"), .tolerance = 0.05, .use = "priceless"},
+         "priceless",
+         NULL,
+         NULL,
+         0},
+    };
+    for (size_t i = 0; i < BASE_COUNT(rows); i++) {
+        kit k;
+        demand d;
+        plan *p = get(&rows[i].r, &k, &d);
+        if (strcmp(order_of(p), rows[i].order) != 0)
+            fail_msg("row %zu: '%s', not '%s'", i, order_of(p), rows[i].order);
+        const plan_technique *t = rows[i].id ? plan_find(p, rows[i].id) : NULL;
+        for (uint32_t n = 0; t && n < t->technique->knob_count; n++)
+            if (strcmp(t->technique->knobs[n]->name, rows[i].knob) == 0 &&
+                t->values[n] != rows[i].value)
+                fail_msg("row %zu: %s is %g, not %g", i, rows[i].knob, t->values[n], rows[i].value);
         plan_free(p);
     }
 }
@@ -174,6 +254,16 @@ static void everything_has_its_reason(void **state) {
         {{FOR(ALL, "ob")},
          "kplus",
          "it keeps the nearest fragments only, and no tolerance is given"},
+        {{FOR("kplus abuffer ppc over", "b"), .tolerance = 0.1},
+         "kplus",
+         "the cheapest way to fold about 1,000 fragments, with ppc: 2 x floor; for a tolerance of "
+         "0.1 it begins with k 8"},
+        {{FOR("kplus abuffer ppc over", "b"), .tolerance = 0.1, .raise = 5},
+         "kplus",
+         "it keeps the nearest fragments only, and the tolerance was missed"},
+        {{FOR("priceless abuffer ppc over", "b"), .tolerance = 0.1},
+         "priceless",
+         "it cannot say how wrong it may be, and a tolerance is given"},
         {{FOR("peel abuffer ppc over", "b"), .settings = {"peel.layers=5"}},
          "peel",
          "it keeps the nearest fragments only, and no tolerance is given"},
@@ -286,6 +376,7 @@ static void everything_has_its_reason(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(techniques_run_in_order),
+        cmocka_unit_test(tolerances_are_traded_and_raised),
         cmocka_unit_test(order_of_installation_does_not_matter),
         cmocka_unit_test(everything_has_its_reason),
     };

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Planning by certificates: under a tolerance knobs that trade accuracy begin where they may just
+ * suffice. What they begin with is a guess, of which nothing depends but time: the frame's
+ * certificate decides, and each time that it does not hold the plan is made again one `raise`
+ * higher, at last with exact techniques alone. What the user set stays.
+ */
+#include "plan/plan_internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+double plan_tolerance(const plan_input *in) {
+    return in->raise < PLAN_RAISE_EXACT ? in->tolerance : 0.0;
+}
+
+/* Of float, half, unorm8: a pixel's error is about as large as that of one fragment. */
+static uint32_t first_payload(double tolerance) {
+    return tolerance >= 0.02    ? STRATA_PAYLOAD_UNORM8
+           : tolerance >= 0.002 ? STRATA_PAYLOAD_HALF
+                                : STRATA_PAYLOAD_FLOAT;
+}
+
+static double payload_for(const plan_input *in, const strata_knob *knob) {
+    const uint32_t first = first_payload(plan_tolerance(in));
+    return fmin(first > in->raise ? first - in->raise : 0, knob->maximum);
+}
+
+/* Doubled with each raise; where exact techniques are asked for, all. */
+static double nearest_for(const plan_input *in, const strata_knob *knob) {
+    if (in->raise >= PLAN_RAISE_EXACT)
+        return knob->minimum > 0 ? knob->maximum : 0;
+    return fmin(knob->preset * (double)(1u << in->raise), knob->maximum);
+}
+
+strata_result plan_trade(plan_work *w) {
+    for (uint32_t i = 0; i < w->count && w->in->tolerance > 0.0; i++) {
+        plan_candidate *c = &w->candidates[i];
+        const int payload = plan_knob(c->note, "payload"), nearest = plan_knob(c->note, "k");
+        const strata_knob *knob = payload >= 0 ? c->note->knobs[payload] : NULL;
+        if (knob && knob->trades_accuracy && knob->type == STRATA_KNOB_CHOICE &&
+            !(c->set_knobs >> payload & 1u))
+            c->values[payload] = payload_for(w->in, knob);
+        knob = nearest >= 0 ? c->note->knobs[nearest] : NULL;
+        if (knob && knob->trades_accuracy && knob->type == STRATA_KNOB_INT &&
+            !(c->set_knobs >> nearest & 1u))
+            c->values[nearest] = nearest_for(w->in, knob);
+    }
+    return STRATA_OK;
+}
+
+int plan_certifies(const plan_candidate *c) {
+    return c->role == PLAN_CAPTURE || plan_slot(c->note, "bound/1", STRATA_SLOT_UPDATES) != NULL;
+}
+
+/* Appends to the reasons of what folds: which certificate is asked for, and with what. */
+strata_result plan_explain_trades(plan_work *w) {
+    static const char *const payloads[] = {"float", "half", "unorm8"};
+    for (uint32_t i = 0; i < w->count && w->in->tolerance > 0.0; i++) {
+        plan_candidate *c = &w->candidates[i];
+        if (!c->chosen || (c->role != PLAN_CAPTURE && c->role != PLAN_STREAM))
+            continue;
+        const int payload = plan_knob(c->note, "payload"), nearest = plan_knob(c->note, "k");
+        size_t length = strlen(c->reason);
+        const size_t size = sizeof c->reason;
+#define ADD(...) length += (size_t)snprintf(c->reason + length, size - length, __VA_ARGS__)
+        if (length < size)
+            ADD("; for a tolerance of %.3g it %s", w->in->tolerance,
+                w->in->raise ? "now takes" : "begins with");
+        if (payload >= 0 && c->values[payload] < 3.0 && length < size)
+            ADD(" payload %s", payloads[(int)c->values[payload]]);
+        if (nearest >= 0 && length < size)
+            ADD("%s k %.0f", payload >= 0 ? "," : "", c->values[nearest]);
+        if (payload < 0 && nearest < 0 && length < size)
+            ADD(" all there is");
+#undef ADD
+    }
+    return STRATA_OK;
+}
