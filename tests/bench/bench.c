@@ -29,6 +29,7 @@ typedef struct config {
 typedef struct options {
     const char *scene, *backends, *module_path;
     uint32_t width, height, frames, warmup;
+    double turn;                    /* degrees a frame */
     const char *given[MAX_CONFIGS]; /* --config, beside the floor; none = the default ones */
     uint32_t given_count;
 } options;
@@ -108,7 +109,7 @@ static int open_config(config *c, const options *o) {
 }
 
 /* frame < 0: to warm up, not measured. */
-static int run_frame(config *c, const options *o, int32_t frame, double angle) {
+static int run_frame(config *c, const options *o, int32_t frame, double turns) {
     const double cpu = now_ms(CLOCK_PROCESS_CPUTIME_ID);
     const strata_render_options render = {.struct_size = sizeof render,
                                           .width = o->width,
@@ -116,7 +117,7 @@ static int run_frame(config *c, const options *o, int32_t frame, double angle) {
                                           .use = c->use,
                                           .settings = c->settings,
                                           .setting_count = c->setting_count,
-                                          .angle = angle};
+                                          .angle = turns * o->turn};
     if (strata_render(c->instance, c->scene, &render) != STRATA_OK) {
         fprintf(stderr, "bench: %s: %s\n", c->name, strata_error(c->instance));
         return 0;
@@ -264,10 +265,10 @@ static int print_results(const config *configs, uint32_t count, const options *o
 
 static int usage(int status) {
     fputs("usage: bench [--scene SCENE] [--size WxH] [--frames N] [--warmup N]\n"
-          "             [--backends vulkan,gl] [--modules FOLDERS]\n"
+          "             [--backends vulkan,gl] [--modules FOLDERS] [--turn DEGREES A FRAME]\n"
           "             [--config 'ID[,ID..] [ID.KNOB=VALUE]..']..\n"
           "Prints JSON: each technique's frame time as a multiple of the floor.\n"
-          "Defaults: scene:soup, 512x512, 11 frames, 3 to warm up, both backends.\n",
+          "Defaults: scene:soup, 512x512, 11 frames, 3 to warm up, both backends, 1 degree.\n",
           status ? stderr : stdout);
     return status;
 }
@@ -279,7 +280,8 @@ int main(int argc, char **argv) {
                  .width = 512,
                  .height = 512,
                  .frames = 11,
-                 .warmup = 3};
+                 .warmup = 3,
+                 .turn = 1};
     static config configs[MAX_CONFIGS];
     for (int i = 1; i < argc; i += 2) {
         const char *value = i + 1 < argc ? argv[i + 1] : NULL;
@@ -293,6 +295,8 @@ int main(int argc, char **argv) {
             o.backends = value;
         else if (strcmp(argv[i], "--modules") == 0)
             o.module_path = value;
+        else if (strcmp(argv[i], "--turn") == 0)
+            o.turn = strtod(value, NULL);
         else if (strcmp(argv[i], "--config") == 0 && o.given_count < MAX_CONFIGS)
             o.given[o.given_count++] = value;
         else if (strcmp(argv[i], "--frames") == 0)

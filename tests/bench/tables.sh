@@ -5,7 +5,8 @@
 #
 # Runs tests/bench/tables/TABLE.txt (all of them by default) through the benchmark and writes
 # OUT/TABLE.json and OUT/TABLE.svg. A table's first lines are "title|TEXT", "x|WHAT X IS" and, if the
-# chart shall not show x_floor, "y|FIGURE OF A RESULT"; every other one is X|SCENE|WIDTHxHEIGHT|CONFIG[|CONFIG..], run in one process beside the floor.
+# chart shall not show x_floor, "y|FIGURE OF A RESULT", where the camera must stay, "turn|0"; every
+# other one is X|SCENE|WIDTHxHEIGHT|CONFIG[|CONFIG..], run in one process beside the floor.
 set -eu
 [ $# -ge 2 ] && [ -x "$1/tests/bench/bench" ] || {
     echo "usage: tests/bench/tables.sh BUILD OUT [TABLE..] [-- ARGUMENTS OF bench]" >&2
@@ -48,14 +49,15 @@ for name in $names; do
         exit 1
     }
     title=$(sed -n 's/^title|//p' "$list") x=$(sed -n 's/^x|//p' "$list")
+    turn=$(sed -n 's/^turn|//p' "$list")
     y=$(sed -n 's/^y|//p' "$list")
     printf '{"table": "%s", "title": "%s", "x": "%s", "rows": [' "$name" "$title" "$x" \
         >"$work/table"
     comma=
-    grep -v -e '^#' -e '^title|' -e '^x|' -e '^y|' -e '^$' "$list" >"$work/rows"
+    grep -v -e '^#' -e '^title|' -e '^x|' -e '^y|' -e '^turn|' -e '^$' "$list" >"$work/rows"
     while IFS='|' read -r value scene size configs; do
         echo "tables.sh: $name: $value: $scene $size" >&2
-        run_row "$scene" "$size" "$configs" "$@" >"$work/row"
+        run_row "$scene" "$size" "$configs" --turn "${turn:-1}" "$@" >"$work/row"
         printf '%s{"x": %s, "bench": %s}' "$comma" "$value" "$(cat "$work/row")" >>"$work/table"
         comma=,
     done <"$work/rows"
