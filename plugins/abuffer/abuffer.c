@@ -11,6 +11,9 @@
  */
 #include "abuffer_glsl.h"
 #include "shared/counting.h"
+#include "shared/create.h"
+#include "shared/records.h"
+#include "shared/slots.h"
 #include "strata/strata.h"
 
 #include <string.h>
@@ -40,43 +43,10 @@ static strata_result program(const abuffer *a, uint32_t kind, const char *label,
                                   out);
 }
 
-static strata_result buffer(const abuffer *a, const char *label, uint64_t size,
-                            strata_buffer *out) {
-    return a->gpu->buffer_create(a->gpu->self,
-                                 &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
-                                                       .label = label,
-                                                       .size = size},
-                                 out);
-}
-
 static strata_result create(void *state, const strata_host *host, const strata_gpu *gpu) {
     (void)host;
     ((abuffer *)state)->gpu = gpu;
     return STRATA_OK;
-}
-
-/* Planes: keys, the payload's, and links when records are linked. */
-static strata_result create_records(abuffer *a, const strata_view *view) {
-    static const char *const payload_names[STRATA_MAX_PLANES] = {
-        "StrataPayload0", "StrataPayload1", "StrataPayload2", "StrataPayload3",
-        "StrataPayload4", "StrataPayload5", "StrataPayload6", "StrataPayload7"};
-    strata_pool_desc desc = {.struct_size = sizeof desc,
-                             .label = "fragments",
-                             .counter_name = "StrataFragmentPool",
-                             .plane_names = {"StrataKeys"},
-                             .plane_strides = {8},
-                             .plane_count = 1};
-    if (a->layout == STRATA_FRAGMENTS_LINKED) {
-        desc.plane_names[desc.plane_count] = "StrataLinks";
-        desc.plane_strides[desc.plane_count++] = 8;
-    }
-    if (view->payload_plane_count > STRATA_MAX_PLANES - desc.plane_count)
-        return STRATA_ERROR_UNSUPPORTED;
-    for (uint32_t i = 0; i < view->payload_plane_count; ++i) {
-        desc.plane_names[desc.plane_count] = payload_names[i];
-        desc.plane_strides[desc.plane_count++] = view->payload_plane_strides[i];
-    }
-    return a->gpu->pool_create(a->gpu->self, &desc, &a->records);
 }
 
 static strata_result prepare(void *state, const strata_view *view) {
@@ -87,9 +57,11 @@ static strata_result prepare(void *state, const strata_view *view) {
                  a->gpu->fact(a->gpu->self, "ordered_attachments") != 0;
     a->draws = view->draws(view->self, "draws.transparent/1");
     a->limit = view->image(view->self, "limit/1");
-    strata_result r = buffer(a, "ranges", pixels * 8, &a->ranges);
+    strata_result r = create_buffer(a->gpu, "ranges", pixels * 8, &a->ranges);
     if (r == STRATA_OK)
-        r = create_records(a, view);
+        r = records_create(a->gpu, view,
+                           a->layout == STRATA_FRAGMENTS_LINKED ? "StrataLinks" : NULL, 0,
+                           &a->records);
     if (r == STRATA_OK && a->layout == STRATA_FRAGMENTS_LINKED)
         r = program(a, STRATA_PROGRAM_COMPUTE, "heads", &heads_comp_glsl, &a->heads_program);
     if (r == STRATA_OK && a->layout == STRATA_FRAGMENTS_CONTIGUOUS)
@@ -166,44 +138,30 @@ static void destroy(void *state) {
 
 static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
                               strata_cost *cost) {
-    static const uint64_t payload_bytes[] = {16, 8,
-                                             4}; /* STRATA_PAYLOAD_*, of plain transparency */
     (void)stats;
     const int linked = settings->values[0] > 0;
     cost->bytes_per_pixel = linked ? 8 : 12;
-    cost->bytes_per_fragment = 8 + payload_bytes[(int)settings->values[1]] + (linked ? 8 : 0);
+    cost->bytes_per_fragment =
+        8 + records_payload_bytes[(int)settings->values[1]] + (linked ? 8 : 0);
     cost->bytes_fixed = 64;
     return STRATA_OK;
 }
 
-static const strata_slot_use draws_use = {.struct_size = sizeof(strata_slot_use),
-                                          .use = STRATA_SLOT_CONSUMES,
-                                          .slot = "draws.transparent/1"};
-static const strata_slot_use limit_use = {
-    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_CONSUMES, .slot = "limit/1"};
 static const strata_slot_use fragments_use = {.struct_size = sizeof(strata_slot_use),
                                               .use = STRATA_SLOT_PRODUCES,
                                               .slot = "fragments/1",
                                               .layouts = 1u << STRATA_FRAGMENTS_CONTIGUOUS |
                                                          1u << STRATA_FRAGMENTS_LINKED};
-static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &fragments_use};
+static const strata_slot_use *const slots[] = {&slots_draws, &slots_limit, &fragments_use};
 
 static const char *const mode_choices[] = {"contiguous", "linked", NULL};
-static const char *const payload_choices[] = {"float", "half", "unorm8", NULL};
 static const strata_knob mode = {.struct_size = sizeof(strata_knob),
                                  .type = STRATA_KNOB_CHOICE,
                                  .name = "mode",
                                  .title = "how records are laid out",
                                  .maximum = 1,
                                  .choices = mode_choices};
-static const strata_knob payload = {.struct_size = sizeof(strata_knob),
-                                    .type = STRATA_KNOB_CHOICE,
-                                    .name = "payload",
-                                    .title = "precision of what a record holds",
-                                    .maximum = 2,
-                                    .choices = payload_choices,
-                                    .trades_accuracy = 1};
-static const strata_knob *const knobs[] = {&mode, &payload};
+static const strata_knob *const knobs[] = {&mode, &records_payload_knob};
 
 static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),

@@ -2,10 +2,10 @@
  *
  * Technique module `fpc`: fragment-parallel composite. Resolves fragments/1 into color/1.
  *
- *   tally -> plan -> rank     pixels that have fragments get ranks, ranges of elements and of
- * chunks expand | append -> digits an element (rank, key) for each fragment count .. scatter radix
- * sort, 8 bits a pass; mend: short runs of equal keys by order fold -> join..            each
- * pixel's fold as a tree of fixed shape
+ *   tally -> plan -> rank   ranks for pixels that have fragments, ranges of elements and of chunks
+ *   expand | append         an element (rank, key) for each fragment
+ *   digits, count, scatter  radix sort, 8 bits a pass; mend: short runs of equal keys, by order
+ *   fold -> join ..         each pixel's fold as a tree of fixed shape
  *
  * Work items are elements, streams of elements and chunks of fragments, never pixels: the time
  * depends on the number of fragments and not on where they lie. How many passes a scene needs is
@@ -13,6 +13,8 @@
  */
 #include "fpc_glsl.h"
 #include "shared/classes.h"
+#include "shared/create.h"
+#include "shared/slots.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -185,18 +187,10 @@ static strata_result prepare(void *state, const strata_view *view) {
     f->hybrid = view->settings->values[KNOB_MODE] == MODE_HYBRID;
     if (!f->fragments)
         return STRATA_ERROR_INVALID_STATE;
-    strata_result r = f->gpu->buffer_create(
-        f->gpu->self,
-        &(strata_buffer_desc){
-            .struct_size = sizeof(strata_buffer_desc), .label = "table", .size = sizeof(table)},
-        &f->table);
+    strata_result r = create_buffer(f->gpu, "table", sizeof(table), &f->table);
     if (r == STRATA_OK)
-        r = f->gpu->buffer_create(
-            f->gpu->self,
-            &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
-                                  .label = "pixel sums",
-                                  .size = 16 * pixel_groups(view->band_width, view->band_height)},
-            &f->sums);
+        r = create_buffer(f->gpu, "pixel sums",
+                          16 * pixel_groups(view->band_width, view->band_height), &f->sums);
     if (r == STRATA_OK)
         r = prepare_pools(f);
     if (r == STRATA_OK)
@@ -408,18 +402,7 @@ static strata_result estimate(const strata_scene_stats *stats, const strata_sett
     return STRATA_OK;
 }
 
-static const strata_slot_use fragments_use = {.struct_size = sizeof(strata_slot_use),
-                                              .use = STRATA_SLOT_CONSUMES,
-                                              .slot = "fragments/1",
-                                              .layouts = 1u << STRATA_FRAGMENTS_CONTIGUOUS |
-                                                         1u << STRATA_FRAGMENTS_LINKED};
-static const strata_slot_use color_use = {
-    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_UPDATES, .slot = "color/1"};
-static const strata_slot_use bound_use = {.struct_size = sizeof(strata_slot_use),
-                                          .use = STRATA_SLOT_UPDATES,
-                                          .slot = "bound/1",
-                                          .optional = 1};
-static const strata_slot_use *const slots[] = {&fragments_use, &color_use, &bound_use};
+static const strata_slot_use *const slots[] = {&slots_fragments, &slots_color, &slots_bound};
 
 static const char *const mode_choices[] = {"fragments", "hybrid", NULL};
 static const strata_knob mode = {

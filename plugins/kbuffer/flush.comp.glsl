@@ -11,58 +11,11 @@
 layout(std430) buffer Lost { uint lost_pixels; };
 
 #ifdef ATTACHMENTS
-#if WORDS > 0
-uniform usampler2D state0;
-#endif
-#if WORDS > 4
-uniform usampler2D state1;
-#endif
-#if WORDS > 8
-uniform usampler2D state2;
-#endif
-#if WORDS > 12
-uniform usampler2D state3;
-#endif
-#if WORDS > 16
-uniform usampler2D state4;
-#endif
-#if WORDS > 20
-uniform usampler2D state5;
-#endif
-#if WORDS > 24
-uniform usampler2D state6;
-#endif
-#if WORDS > 28
-uniform usampler2D state7;
-#endif
+#define DECLARE(n) uniform usampler2D state##n;
+STRATA_EACH(DECLARE)
+#define LOAD(n) WORDS_PUT(4 * n, texelFetch(state##n, ivec2(strata_position(pixel)), 0))
 
-void state_load(uint pixel) {
-    ivec2 at = ivec2(strata_position(pixel));
-#if WORDS > 0
-    WORDS_PUT(0, texelFetch(state0, at, 0))
-#endif
-#if WORDS > 4
-    WORDS_PUT(4, texelFetch(state1, at, 0))
-#endif
-#if WORDS > 8
-    WORDS_PUT(8, texelFetch(state2, at, 0))
-#endif
-#if WORDS > 12
-    WORDS_PUT(12, texelFetch(state3, at, 0))
-#endif
-#if WORDS > 16
-    WORDS_PUT(16, texelFetch(state4, at, 0))
-#endif
-#if WORDS > 20
-    WORDS_PUT(20, texelFetch(state5, at, 0))
-#endif
-#if WORDS > 24
-    WORDS_PUT(24, texelFetch(state6, at, 0))
-#endif
-#if WORDS > 28
-    WORDS_PUT(28, texelFetch(state7, at, 0))
-#endif
-}
+void state_load(uint pixel) { STRATA_EACH(LOAD) }
 #else
 layout(std430) readonly buffer State { uint state[]; };
 

@@ -10,6 +10,11 @@
  * counted.
  */
 #include "kbuffer_glsl.h"
+#include "shared/binds.h"
+#include "shared/counting.h"
+#include "shared/create.h"
+#include "shared/records.h"
+#include "shared/slots.h"
 #include "strata/strata.h"
 
 #include <stdio.h>
@@ -25,13 +30,10 @@ typedef struct kbuffer {
     uint32_t attachments; /* that hold them, four words each; 0: they are in storage */
     strata_draws draws;
     strata_image color, limit, images[MAX_ATTACHMENTS];
-    strata_buffer state, totals, lost;
+    strata_buffer state, lost;
+    counting counting;
     strata_program stream_program, flush_program;
 } kbuffer;
-
-typedef struct totals { /* block Totals of shaders/strata/totals.glsl */
-    uint32_t largest, arrived[2], kept[2];
-} totals;
 
 static const strata_glsl *const includes[] = {&sorter_glsl, NULL};
 
@@ -43,15 +45,6 @@ static strata_result create(void *state, const strata_host *host, const strata_g
 }
 
 /* ---- prepare --------------------------------------------------------------------------------- */
-
-static strata_result buffer(const kbuffer *s, const char *label, uint64_t size,
-                            strata_buffer *out) {
-    return s->gpu->buffer_create(s->gpu->self,
-                                 &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
-                                                       .label = label,
-                                                       .size = size},
-                                 out);
-}
 
 static strata_result program(const kbuffer *s, uint32_t kind, const char *label,
                              const strata_glsl *source, uint32_t k, strata_program *out) {
@@ -72,8 +65,6 @@ static strata_result program(const kbuffer *s, uint32_t kind, const char *label,
 /* Attachments where they hold the words; storage only where its order has been shown. */
 static strata_result create_state(kbuffer *s, const strata_view *view) {
     const uint32_t attachments = (s->words + 3) / 4;
-    const strata_image_desc desc = {
-        .struct_size = sizeof desc, .label = "state", .format = STRATA_FORMAT_RGBA32U};
     strata_result r = STRATA_OK;
     s->attachments = 0;
     if (attachments <= MAX_ATTACHMENTS && s->gpu->fact(s->gpu->self, "ordered_attachments"))
@@ -84,10 +75,10 @@ static strata_result create_state(kbuffer *s, const strata_view *view) {
         return STRATA_ERROR_UNSUPPORTED;
     }
     if (!s->attachments)
-        return buffer(s, "state", 4ull * s->words * view->band_width * view->band_height,
-                      &s->state);
+        return create_buffer(s->gpu, "state",
+                             4ull * s->words * view->band_width * view->band_height, &s->state);
     for (uint32_t i = 0; i < attachments && r == STRATA_OK; ++i)
-        r = s->gpu->image_create(s->gpu->self, &desc, &s->images[i]);
+        r = create_image(s->gpu, "state", STRATA_FORMAT_RGBA32U, 0, 0, &s->images[i]);
     return r;
 }
 
@@ -105,9 +96,9 @@ static strata_result prepare(void *state, const strata_view *view) {
     s->limit = view->image(view->self, "limit/1");
     strata_result r = create_state(s, view);
     if (r == STRATA_OK)
-        r = buffer(s, "totals", sizeof(totals), &s->totals);
+        r = counting_prepare_totals(&s->counting, s->gpu);
     if (r == STRATA_OK)
-        r = buffer(s, "lost", 4, &s->lost);
+        r = create_buffer(s->gpu, "lost", 4, &s->lost);
     if (r == STRATA_OK)
         r = program(s, STRATA_PROGRAM_SCENE, "stream", &stream_frag_glsl, k, &s->stream_program);
     if (r == STRATA_OK)
@@ -118,7 +109,7 @@ static strata_result prepare(void *state, const strata_view *view) {
 /* ---- record and verify ----------------------------------------------------------------------- */
 
 static void record_stream(const kbuffer *s, const strata_frame *frame) {
-    const strata_bind state = {.struct_size = sizeof state, .name = "State", .buffer = s->state};
+    const strata_bind state = bind_buffer("State", s->state);
     strata_attachment color[MAX_ATTACHMENTS];
     for (uint32_t i = 0; i < s->attachments; ++i)
         color[i] = (strata_attachment){.struct_size = sizeof *color,
@@ -146,38 +137,35 @@ static void record(void *state, const strata_frame *frame) {
     static const char *const names[MAX_ATTACHMENTS] = {"state0", "state1", "state2", "state3",
                                                        "state4", "state5", "state6", "state7"};
     const kbuffer *s = state;
-    strata_bind binds[3 + MAX_ATTACHMENTS] = {
-        {.struct_size = sizeof(strata_bind), .name = "color", .image = s->color},
-        {.struct_size = sizeof(strata_bind), .name = "Totals", .buffer = s->totals},
-        {.struct_size = sizeof(strata_bind), .name = "Lost", .buffer = s->lost},
-        {.struct_size = sizeof(strata_bind), .name = "State", .buffer = s->state}};
+    binds b = {.count = 0};
+    binds_image(&b, "color", s->color);
+    binds_buffer(&b, "Totals", s->counting.totals);
+    binds_buffer(&b, "Lost", s->lost);
+    if (!s->attachments)
+        binds_buffer(&b, "State", s->state);
     for (uint32_t i = 0; i < s->attachments; ++i)
-        binds[3 + i] = (strata_bind){
-            .struct_size = sizeof(strata_bind), .name = names[i], .image = s->images[i]};
-    frame->fill(frame->self, s->totals, 0, 0, 0);
+        binds_image(&b, names[i], s->images[i]);
+    frame->fill(frame->self, s->counting.totals, 0, 0, 0);
     frame->fill(frame->self, s->lost, 0, 0, 0);
     record_stream(s, frame);
     strata_pass flush = {.struct_size = sizeof flush,
                          .label = "flush",
                          .program = s->flush_program,
-                         .binds = binds,
-                         .bind_count = 3 + (s->attachments ? s->attachments : 1)};
+                         .binds = b.at,
+                         .bind_count = b.count};
     strata_groups((uint64_t)frame->band_width * frame->band_height, flush.groups);
     frame->pass(frame->self, &flush);
 }
 
 static strata_result verify(void *state, const strata_frame *frame) {
     const kbuffer *s = state;
-    totals t = {0};
+    counting_totals t;
     uint32_t lost = 0;
-    strata_result r = frame->read(frame->self, s->totals, 0, sizeof t, &t);
+    strata_result r = counting_verify(&s->counting, frame, &t);
     if (r == STRATA_OK)
         r = frame->read(frame->self, s->lost, 0, sizeof lost, &lost);
     if (r != STRATA_OK)
         return r;
-    frame->report(frame->self, STRATA_REPORT_FRAGMENTS_TOTAL,
-                  (uint64_t)t.arrived[1] << 32 | t.arrived[0]);
-    frame->report(frame->self, STRATA_REPORT_FRAGMENTS_KEPT, (uint64_t)t.kept[1] << 32 | t.kept[0]);
     frame->report(frame->self, STRATA_REPORT_MAX_PER_PIXEL, t.largest);
     frame->report(frame->self, STRATA_REPORT_PIXELS_LOST, lost);
     return STRATA_OK;
@@ -191,29 +179,17 @@ static void destroy(void *state) {
 
 static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
                               strata_cost *cost) {
-    static const uint64_t payload_words[] = {4, 2, 1}; /* STRATA_PAYLOAD_*, of plain transparency */
-    const uint64_t entry = 2 + payload_words[(int)settings->values[KNOB_PAYLOAD]];
+    const uint64_t entry = 8 + records_payload_bytes[(int)settings->values[KNOB_PAYLOAD]];
     (void)stats;
-    cost->bytes_per_pixel = ((8 + (uint64_t)settings->values[KNOB_K] * entry) * 4 + 15) / 16 * 16;
+    cost->bytes_per_pixel = (32 + (uint64_t)settings->values[KNOB_K] * entry + 15) / 16 * 16;
     cost->bytes_per_fragment = 0;
     cost->bytes_fixed = 24;
     return STRATA_OK;
 }
 
-static const strata_slot_use draws_use = {.struct_size = sizeof(strata_slot_use),
-                                          .use = STRATA_SLOT_CONSUMES,
-                                          .slot = "draws.transparent/1"};
-static const strata_slot_use limit_use = {
-    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_CONSUMES, .slot = "limit/1"};
-static const strata_slot_use color_use = {
-    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_UPDATES, .slot = "color/1"};
-static const strata_slot_use bound_use = {.struct_size = sizeof(strata_slot_use),
-                                          .use = STRATA_SLOT_UPDATES,
-                                          .slot = "bound/1",
-                                          .optional = 1};
-static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &color_use, &bound_use};
+static const strata_slot_use *const slots[] = {&slots_draws, &slots_limit, &slots_color,
+                                               &slots_bound};
 
-static const char *const payload_choices[] = {"float", "half", "unorm8", NULL};
 static const strata_knob k_knob = {.struct_size = sizeof(strata_knob),
                                    .type = STRATA_KNOB_INT,
                                    .name = "k",
@@ -223,14 +199,7 @@ static const strata_knob k_knob = {.struct_size = sizeof(strata_knob),
                                    .maximum = LARGEST_K,
                                    .preset = 4,
                                    .trades_accuracy = 1};
-static const strata_knob payload_knob = {.struct_size = sizeof(strata_knob),
-                                         .type = STRATA_KNOB_CHOICE,
-                                         .name = "payload",
-                                         .title = "precision of what an entry holds",
-                                         .maximum = 2,
-                                         .choices = payload_choices,
-                                         .trades_accuracy = 1};
-static const strata_knob *const knobs[] = {&k_knob, &payload_knob};
+static const strata_knob *const knobs[] = {&k_knob, &records_payload_knob};
 
 static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),

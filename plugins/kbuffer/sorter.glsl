@@ -22,6 +22,10 @@ const uint ONE = 0x3f800000u;
 #endif
 #define ENTRY (2 + STRATA_PAYLOAD_WORDS)
 #define WORDS (STATE + K * ENTRY)
+#ifdef ATTACHMENTS
+#define STRATA_EACH_COUNT ((WORDS + 3) / 4)
+#include "strata/each.glsl"
+#endif
 
 uint words[WORDS];
 

@@ -11,87 +11,15 @@
 layout(early_fragment_tests) in;
 #ifdef ATTACHMENTS
 #include "strata/ordered.glsl"
-#if WORDS > 0
-STRATA_ORDERED_UINT(0)
-#endif
-#if WORDS > 4
-STRATA_ORDERED_UINT(1)
-#endif
-#if WORDS > 8
-STRATA_ORDERED_UINT(2)
-#endif
-#if WORDS > 12
-STRATA_ORDERED_UINT(3)
-#endif
-#if WORDS > 16
-STRATA_ORDERED_UINT(4)
-#endif
-#if WORDS > 20
-STRATA_ORDERED_UINT(5)
-#endif
-#if WORDS > 24
-STRATA_ORDERED_UINT(6)
-#endif
-#if WORDS > 28
-STRATA_ORDERED_UINT(7)
-#endif
+STRATA_EACH(STRATA_ORDERED_UINT)
 
 #define WORD(i) ((i) < WORDS ? words[min(i, WORDS - 1)] : 0u)
-#define WORDS_GET(first) uvec4(WORD(first), WORD(first + 1), WORD(first + 2), WORD(first + 3))
+#define LOAD(n) WORDS_PUT(4 * n, STRATA_ORDERED_LOAD(n))
+#define STORE(n)                                                                                   \
+    STRATA_ORDERED_STORE(n, uvec4(WORD(4 * n), WORD(4 * n + 1), WORD(4 * n + 2), WORD(4 * n + 3)));
 
-void state_load(uint pixel) {
-#if WORDS > 0
-    WORDS_PUT(0, STRATA_ORDERED_LOAD(0))
-#endif
-#if WORDS > 4
-    WORDS_PUT(4, STRATA_ORDERED_LOAD(1))
-#endif
-#if WORDS > 8
-    WORDS_PUT(8, STRATA_ORDERED_LOAD(2))
-#endif
-#if WORDS > 12
-    WORDS_PUT(12, STRATA_ORDERED_LOAD(3))
-#endif
-#if WORDS > 16
-    WORDS_PUT(16, STRATA_ORDERED_LOAD(4))
-#endif
-#if WORDS > 20
-    WORDS_PUT(20, STRATA_ORDERED_LOAD(5))
-#endif
-#if WORDS > 24
-    WORDS_PUT(24, STRATA_ORDERED_LOAD(6))
-#endif
-#if WORDS > 28
-    WORDS_PUT(28, STRATA_ORDERED_LOAD(7))
-#endif
-}
-
-void state_store(uint pixel) {
-#if WORDS > 0
-    STRATA_ORDERED_STORE(0, WORDS_GET(0));
-#endif
-#if WORDS > 4
-    STRATA_ORDERED_STORE(1, WORDS_GET(4));
-#endif
-#if WORDS > 8
-    STRATA_ORDERED_STORE(2, WORDS_GET(8));
-#endif
-#if WORDS > 12
-    STRATA_ORDERED_STORE(3, WORDS_GET(12));
-#endif
-#if WORDS > 16
-    STRATA_ORDERED_STORE(4, WORDS_GET(16));
-#endif
-#if WORDS > 20
-    STRATA_ORDERED_STORE(5, WORDS_GET(20));
-#endif
-#if WORDS > 24
-    STRATA_ORDERED_STORE(6, WORDS_GET(24));
-#endif
-#if WORDS > 28
-    STRATA_ORDERED_STORE(7, WORDS_GET(28));
-#endif
-}
+void state_load(uint pixel) { STRATA_EACH(LOAD) }
+void state_store(uint pixel) { STRATA_EACH(STORE) }
 #else
 layout(std430) buffer State { uint state[]; };
 

@@ -24,7 +24,7 @@ layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint str
 layout(std430) readonly buffer Dropped { uint dropped[]; };
 #endif
 #define DECLARE(n) uniform usampler2D held_##n;
-EACH(DECLARE)
+STRATA_EACH(DECLARE)
 
 #define FETCH(n)                                                                                   \
     {                                                                                              \
@@ -48,7 +48,7 @@ void main() {
     uint arrived = 0u, kept = 0u;
     for (uint i = 0u; i < 16u; ++i)
         r[i] = uvec2(0xffffffffu);
-    EACH(FETCH)
+    STRATA_EACH(FETCH)
 #ifdef LATE
     STRATA_SORT_16(0)
 #endif

@@ -11,7 +11,11 @@
  * keeps all: exact allocation and a store that has nothing to exclude.
  */
 #include "kplus_glsl.h"
+#include "shared/binds.h"
 #include "shared/counting.h"
+#include "shared/create.h"
+#include "shared/records.h"
+#include "shared/slots.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -102,38 +106,11 @@ static uint32_t attachment_count(uint32_t k) {
     return k < ORDERED_MOST ? (k + 2) / 2 : ATTACHMENTS_MOST;
 }
 
-/* Planes: keys, the payload's, and the nodes of the heap. */
 static strata_result create_records(kplus *s, const strata_view *view) {
-    static const char *const payload_names[STRATA_MAX_PLANES] = {
-        "StrataPayload0", "StrataPayload1", "StrataPayload2", "StrataPayload3",
-        "StrataPayload4", "StrataPayload5", "StrataPayload6", "StrataPayload7"};
-    strata_pool_desc desc = {
-        .struct_size = sizeof desc,
-        .label = "fragments",
-        .counter_name = "StrataFragmentPool",
-        .plane_names = {"StrataKeys"},
-        .plane_strides = {8},
-        .plane_count = 1,
-        .expected = s->exact ? 0 : (uint64_t)view->band_width * view->band_height * s->params.k};
-    if (s->heap && (s->path == PATH_LOCK || s->path == PATH_UNLOCKED)) {
-        desc.plane_names[desc.plane_count] = "Nodes";
-        desc.plane_strides[desc.plane_count++] = 8;
-    }
-    if (view->payload_plane_count > STRATA_MAX_PLANES - desc.plane_count)
-        return STRATA_ERROR_UNSUPPORTED;
-    for (uint32_t i = 0; i < view->payload_plane_count; ++i) {
-        desc.plane_names[desc.plane_count] = payload_names[i];
-        desc.plane_strides[desc.plane_count++] = view->payload_plane_strides[i];
-    }
-    return s->gpu->pool_create(s->gpu->self, &desc, &s->records);
-}
-
-static strata_result buffer(const kplus *s, const char *label, uint64_t size, strata_buffer *out) {
-    return s->gpu->buffer_create(s->gpu->self,
-                                 &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
-                                                       .label = label,
-                                                       .size = size},
-                                 out);
+    const uint64_t pixels = (uint64_t)view->band_width * view->band_height;
+    const int nodes = s->heap && (s->path == PATH_LOCK || s->path == PATH_UNLOCKED);
+    return records_create(s->gpu, view, nodes ? "Nodes" : NULL, s->exact ? 0 : pixels * s->params.k,
+                          &s->records);
 }
 
 /* A program and which variant of its source it is. */
@@ -214,27 +191,18 @@ static strata_result prepare_ordered(kplus *s, const strata_view *view) {
         {&s->gather_program, STRATA_PROGRAM_COMPUTE, "gather", &gather_comp_glsl, NULL},
         {&s->late_payload_program, STRATA_PROGRAM_SCENE, "payload", &payload_frag_glsl, NULL},
     };
-    const strata_image_desc desc = {.struct_size = sizeof desc,
-                                    .label = "nearest",
-                                    .format = STRATA_FORMAT_RGBA32U,
-                                    .width = view->width,
-                                    .height = view->height};
     strata_result r = create_programs(s, PATH_ORDERED, sources, sizeof sources / sizeof *sources);
     for (uint32_t i = 0; i < attachment_count(s->params.k) && r == STRATA_OK; ++i)
-        r = s->gpu->image_create(s->gpu->self, &desc, &s->held[i]);
+        r = create_image(s->gpu, "nearest", STRATA_FORMAT_RGBA32U, 0, 0, &s->held[i]);
     if (r == STRATA_OK && s->params.k == ORDERED_MOST)
-        r = buffer(s, "dropped", (uint64_t)view->band_width * view->band_height * 4, &s->dropped);
+        r = create_buffer(s->gpu, "dropped", (uint64_t)view->band_width * view->band_height * 4,
+                          &s->dropped);
     return r == STRATA_OK && !s->exact ? counting_prepare_totals(&s->counting, s->gpu) : r;
 }
 
 /* Where a fixed number of slots makes counting needless, what arrived is counted beside. */
-static strata_result prepare_arrivals(kplus *s, const strata_view *view) {
-    const strata_image_desc count = {.struct_size = sizeof count,
-                                     .label = "fragment count",
-                                     .format = STRATA_FORMAT_R32F,
-                                     .width = view->width,
-                                     .height = view->height};
-    strata_result r = s->gpu->image_create(s->gpu->self, &count, &s->counting.count);
+static strata_result prepare_arrivals(kplus *s) {
+    strata_result r = counting_prepare_image(&s->counting, s->gpu);
     return r == STRATA_OK ? counting_prepare_totals(&s->counting, s->gpu) : r;
 }
 
@@ -248,11 +216,12 @@ static strata_result prepare_all(kplus *s) {
 }
 
 static strata_result prepare_path(kplus *s, const strata_view *view) {
-    strata_result r = buffer(s, "events", 4, &s->events);
+    strata_result r = create_buffer(s->gpu, "events", 4, &s->events);
     if (r == STRATA_OK && s->path == PATH_ORDERED)
         return prepare_ordered(s, view);
     if (r == STRATA_OK && !is_chain(s->path)) {
-        r = buffer(s, "cells", (uint64_t)view->band_width * view->band_height * 8, &s->cells);
+        r = create_buffer(s->gpu, "cells", (uint64_t)view->band_width * view->band_height * 8,
+                          &s->cells);
         if (r == STRATA_OK)
             r = prepare_insertion(s);
     }
@@ -269,13 +238,13 @@ static strata_result prepare(void *state, const strata_view *view) {
     s->lock_failed = s->tied = 0;
     if (!choose(s, view->settings))
         return STRATA_ERROR_UNSUPPORTED;
-    strata_result r = buffer(s, "ranges", pixels * 8, &s->ranges);
+    strata_result r = create_buffer(s->gpu, "ranges", pixels * 8, &s->ranges);
     if (r == STRATA_OK)
         r = create_records(s, view);
     if (r == STRATA_OK && s->exact)
         r = counting_prepare(&s->counting, s->gpu, view, s->params.k == 0);
     else if (r == STRATA_OK && s->path != PATH_ORDERED)
-        r = prepare_arrivals(s, view);
+        r = prepare_arrivals(s);
     if (r == STRATA_OK && s->params.k == 0)
         r = prepare_all(s);
     if (r == STRATA_OK && s->params.k > 0)
@@ -294,29 +263,12 @@ static strata_result prepare(void *state, const strata_view *view) {
 
 /* ---- record ---------------------------------------------------------------------------------- */
 
-enum { BIND_MAX = 14 };
-
-typedef struct binds {
-    strata_bind at[BIND_MAX];
-    uint32_t count;
-} binds;
-
-static void add_buffer(binds *b, const char *name, strata_buffer buffer) {
-    b->at[b->count++] =
-        (strata_bind){.struct_size = sizeof(strata_bind), .name = name, .buffer = buffer};
-}
-
-static void add_count(binds *b, const kplus *s) {
-    b->at[b->count++] = (strata_bind){
-        .struct_size = sizeof(strata_bind), .name = "count_image", .image = s->counting.count};
-}
-
 /* What nearly every pass binds: the pool, and ranges where slots_of reads or `writes` them. */
 static binds begin_binds(const kplus *s, int writes) {
-    binds b = {.count = 1};
-    b.at[0] = (strata_bind){.struct_size = sizeof(strata_bind), .pool = s->records};
+    binds b = {.count = 0};
+    binds_pool(&b, s->records);
     if (s->exact || writes)
-        add_buffer(&b, "StrataRanges", s->ranges);
+        binds_buffer(&b, "StrataRanges", s->ranges);
     return b;
 }
 
@@ -370,10 +322,10 @@ static void finish(const kplus *s, const strata_frame *frame, strata_program pro
     if (s->exact)
         return;
     binds b = begin_binds(s, 1);
-    add_count(&b, s);
-    add_buffer(&b, "Totals", s->counting.totals);
+    binds_image(&b, "count_image", s->counting.count);
+    binds_buffer(&b, "Totals", s->counting.totals);
     if (cells.id)
-        add_buffer(&b, "Cells", cells);
+        binds_buffer(&b, "Cells", cells);
     frame->fill(frame->self, s->counting.totals, 0, 0, 0);
     compute(s, frame, "finish", program, &b,
             ((uint64_t)frame->band_width * frame->band_height + FINISH_PIXELS - 1) / FINISH_PIXELS,
@@ -382,15 +334,15 @@ static void finish(const kplus *s, const strata_frame *frame, strata_program pro
 
 static void record_insertion(const kplus *s, const strata_frame *frame) {
     binds b = begin_binds(s, 0);
-    add_buffer(&b, "Cells", s->cells);
+    binds_buffer(&b, "Cells", s->cells);
     if (s->exact)
-        add_count(&b, s);
+        binds_image(&b, "count_image", s->counting.count);
     compute(s, frame, "cells", s->cells_program, &b,
             (uint64_t)frame->band_width * frame->band_height, !s->exact);
     b = begin_binds(s, 0);
-    add_buffer(&b, "Cells", s->cells);
+    binds_buffer(&b, "Cells", s->cells);
     if (s->path == PATH_LOCK)
-        add_buffer(&b, "Failures", s->events);
+        binds_buffer(&b, "Failures", s->events);
     draw_counted(s, frame, "store", s->store_program, &b, !s->exact || s->path == PATH_LOCK);
     finish(s, frame, s->finish_program, s->cells);
 }
@@ -407,7 +359,7 @@ static void record_chain(const kplus *s, const strata_frame *frame, path p) {
     } else {
         binds t = b;
         if (p == PATH_ATOMIC32)
-            add_buffer(&t, "Ties", s->events);
+            binds_buffer(&t, "Ties", s->events);
         draw(s, frame, "payload", s->payload_program, &t, NULL, 0, params);
     }
     finish(s, frame, s->chain_finish_program, (strata_buffer){0});
@@ -428,19 +380,18 @@ static void record_ordered(const kplus *s, const strata_frame *frame) {
                                       .image = s->held[i],
                                       .load = STRATA_LOAD_CLEAR,
                                       .read = 1};
-        g.at[g.count++] = (strata_bind){
-            .struct_size = sizeof(strata_bind), .name = names[i], .image = s->held[i]};
+        binds_image(&g, names[i], s->held[i]);
     }
     if (uncounted) {
         frame->fill(frame->self, s->dropped, 0, 0, 0);
-        add_buffer(&b, "Dropped", s->dropped);
+        binds_buffer(&b, "Dropped", s->dropped);
     }
     if (!s->exact) {
         compute(s, frame, "needs", s->needs_program, &alone, 1, 1);
         frame->fill(frame->self, s->counting.totals, 0, 0, 0);
-        add_buffer(&g, "Totals", s->counting.totals);
+        binds_buffer(&g, "Totals", s->counting.totals);
         if (uncounted)
-            add_buffer(&g, "Dropped", s->dropped);
+            binds_buffer(&g, "Dropped", s->dropped);
     }
     draw(s, frame, "ordered", s->ordered_program, &b, held, count, !s->exact && !is_late(s));
     compute(s, frame, "gather", s->gather_program, &g,
@@ -500,11 +451,11 @@ static void destroy(void *state) {
 
 static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
                               strata_cost *cost) {
-    static const uint64_t payload_bytes[] = {16, 8, 4}; /* STRATA_PAYLOAD_*, plain transparency */
     const double k = settings->values[KNOB_K], structure = settings->values[KNOB_STRUCTURE];
     const int exact = k == 0 || settings->values[KNOB_MEMORY] == MEMORY_EXACT;
     const int heap = structure == STRUCTURE_AUTO ? k > ARRAY_MOST : structure == STRUCTURE_HEAP;
-    const uint64_t record = 8 + payload_bytes[(int)settings->values[KNOB_PAYLOAD]] + (heap ? 8 : 0);
+    const uint64_t record =
+        8 + records_payload_bytes[(int)settings->values[KNOB_PAYLOAD]] + (heap ? 8 : 0);
     const double share = k > 0 && stats->mean_depth > k ? k / stats->mean_depth : 1;
     cost->bytes_per_pixel = exact ? 20 : 20 + (uint64_t)k * record;
     cost->bytes_per_fragment = exact ? (uint64_t)(share * (double)record + 1) : 0;
@@ -512,22 +463,16 @@ static strata_result estimate(const strata_scene_stats *stats, const strata_sett
     return STRATA_OK;
 }
 
-static const strata_slot_use draws_use = {.struct_size = sizeof(strata_slot_use),
-                                          .use = STRATA_SLOT_CONSUMES,
-                                          .slot = "draws.transparent/1"};
-static const strata_slot_use limit_use = {
-    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_CONSUMES, .slot = "limit/1"};
 static const strata_slot_use fragments_use = {.struct_size = sizeof(strata_slot_use),
                                               .use = STRATA_SLOT_PRODUCES,
                                               .slot = "fragments/1",
                                               .layouts = 1u << STRATA_FRAGMENTS_CONTIGUOUS};
-static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &fragments_use};
+static const strata_slot_use *const slots[] = {&slots_draws, &slots_limit, &fragments_use};
 
 static const char *const structure_choices[] = {"auto", "array", "heap", NULL};
 static const char *const exclusion_choices[] = {"auto",     "lock",    "atomic64", "atomic32",
                                                 "unlocked", "ordered", NULL};
 static const char *const memory_choices[] = {"fixed", "exact", NULL};
-static const char *const payload_choices[] = {"float", "half", "unorm8", NULL};
 static const strata_knob k = {.struct_size = sizeof(strata_knob),
                               .type = STRATA_KNOB_INT,
                               .name = "k",
@@ -554,20 +499,14 @@ static const strata_knob memory = {.struct_size = sizeof(strata_knob),
                                    .title = "k slots a pixel, or as many as it fills",
                                    .maximum = 1,
                                    .choices = memory_choices};
-static const strata_knob payload = {.struct_size = sizeof(strata_knob),
-                                    .type = STRATA_KNOB_CHOICE,
-                                    .name = "payload",
-                                    .title = "precision of what a record holds",
-                                    .maximum = 2,
-                                    .choices = payload_choices,
-                                    .trades_accuracy = 1};
 static const strata_knob tries = {.struct_size = sizeof(strata_knob),
                                   .type = STRATA_KNOB_INT,
                                   .name = "tries",
                                   .title = "of the lock, before the frame does without",
                                   .maximum = 32768,
                                   .preset = 4096};
-static const strata_knob *const knobs[] = {&k, &structure, &exclusion, &memory, &payload, &tries};
+static const strata_knob *const knobs[] = {
+    &k, &structure, &exclusion, &memory, &records_payload_knob, &tries};
 static const char *const prefers[] = {"ordered_attachments", "selftest.ordered_rmw",
                                       "feature.int64_atomics", NULL};
 

@@ -22,7 +22,7 @@ layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint str
 #ifndef COUNTED
 layout(std430) buffer Dropped { uint dropped[]; };
 #endif
-EACH(STRATA_ORDERED_UINT)
+STRATA_EACH(STRATA_ORDERED_UINT)
 
 #define LOAD(n) uvec4 held_##n = STRATA_ORDERED_LOAD(n);
 #define COMPARE(pair, at)                                                                          \
@@ -62,19 +62,19 @@ void main() {
 #endif
     uint pixel = strata_pixel(uvec2(gl_FragCoord.xy));
     uvec2 pair = ~uvec2(strata_key(gl_FragCoord.z), strata_order(strata_primitive()));
-    EACH(LOAD)
+    STRATA_EACH(LOAD)
     uvec2 least = uvec2(0xffffffffu);
     uint place = 0u;
-    EACH(FIND)
+    STRATA_EACH(FIND)
     bool nearer = pair.x > least.x || (pair.x == least.x && pair.y > least.y);
-    EACH(REPLACE)
+    STRATA_EACH(REPLACE)
 #ifdef COUNTED
-    EACH(COUNT)
+    STRATA_EACH(COUNT)
 #else
     if (!nearer || least != uvec2(0u))
         atomicAdd(dropped[pixel], 1u);
 #endif
-    EACH(STORE)
+    STRATA_EACH(STORE)
 #ifndef LATE
     if (strata_needed > strata_capacity)
         return;

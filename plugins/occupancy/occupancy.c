@@ -12,7 +12,10 @@
  * k. Stands before any capture that keeps the nearest k; neither knows of the other.
  */
 #include "occupancy_glsl.h"
+#include "shared/binds.h"
 #include "shared/counting.h"
+#include "shared/create.h"
+#include "shared/slots.h"
 #include "strata/strata.h"
 
 #include <stdio.h>
@@ -48,26 +51,6 @@ static strata_result program(const occupancy *o, uint32_t kind, const char *labe
                                   out);
 }
 
-static strata_result image(const occupancy *o, const char *label, uint32_t format, uint32_t width,
-                           uint32_t height, strata_image *out) {
-    return o->gpu->image_create(o->gpu->self,
-                                &(strata_image_desc){.struct_size = sizeof(strata_image_desc),
-                                                     .label = label,
-                                                     .format = format,
-                                                     .width = width,
-                                                     .height = height},
-                                out);
-}
-
-static strata_result buffer(const occupancy *o, const char *label, uint64_t size,
-                            strata_buffer *out) {
-    return o->gpu->buffer_create(o->gpu->self,
-                                 &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
-                                                       .label = label,
-                                                       .size = size},
-                                 out);
-}
-
 static strata_result create(void *state, const strata_host *host, const strata_gpu *gpu) {
     (void)host;
     ((occupancy *)state)->gpu = gpu;
@@ -88,18 +71,18 @@ static strata_result create_storage(occupancy *o, const strata_view *view) {
     const uint64_t pixels = (uint64_t)view->band_width * view->band_height;
     o->tiles_x = (view->width + TILE - 1) / TILE;
     o->tiles_y = (view->height + TILE - 1) / TILE;
-    strata_result r =
-        image(o, "depth range", STRATA_FORMAT_RGBA32F, o->tiles_x, o->tiles_y, &o->range);
+    strata_result r = create_image(o->gpu, "depth range", STRATA_FORMAT_RGBA32F, o->tiles_x,
+                                   o->tiles_y, &o->range);
     if (r == STRATA_OK)
-        r = image(o, "fragment count", STRATA_FORMAT_R32F, view->width, view->height, &o->count);
+        r = create_image(o->gpu, "fragment count", STRATA_FORMAT_R32F, 0, 0, &o->count);
     if (r == STRATA_OK)
-        r = image(o, "limit/1", STRATA_FORMAT_D32F, view->width, view->height, &o->limit);
+        r = create_image(o->gpu, "limit/1", STRATA_FORMAT_D32F, 0, 0, &o->limit);
     if (r == STRATA_OK)
-        r = buffer(o, "tiles", (uint64_t)o->tiles_x * o->tiles_y * 16, &o->tiles);
+        r = create_buffer(o->gpu, "tiles", (uint64_t)o->tiles_x * o->tiles_y * 16, &o->tiles);
     if (r == STRATA_OK)
-        r = buffer(o, "mask", pixels * o->words * 4, &o->mask);
+        r = create_buffer(o->gpu, "mask", pixels * o->words * 4, &o->mask);
     if (r == STRATA_OK)
-        r = buffer(o, "totals", sizeof(counting_totals), &o->totals);
+        r = create_buffer(o->gpu, "totals", sizeof(counting_totals), &o->totals);
     return r;
 }
 
@@ -137,14 +120,13 @@ static strata_result prepare(void *state, const strata_view *view) {
 
 /* For the whole frame, once: bands share it. */
 static void record_tiles(const occupancy *o, const strata_frame *frame) {
-    const strata_bind binds[] = {
-        {.struct_size = sizeof(strata_bind), .name = "range_image", .image = o->range},
-        {.struct_size = sizeof(strata_bind), .name = "depth_image", .image = o->depth},
-        {.struct_size = sizeof(strata_bind), .name = "Tiles", .buffer = o->tiles}};
+    const strata_bind bound[] = {bind_image("range_image", o->range),
+                                 bind_image("depth_image", o->depth),
+                                 bind_buffer("Tiles", o->tiles)};
     strata_pass tiles = {.struct_size = sizeof tiles,
                          .label = "tiles",
                          .program = o->tiles_program,
-                         .binds = binds,
+                         .binds = bound,
                          .bind_count = 3};
     strata_groups((uint64_t)o->tiles_x * o->tiles_y, tiles.groups);
     frame->pass(
@@ -164,9 +146,7 @@ static void record_tiles(const occupancy *o, const strata_frame *frame) {
 }
 
 static void record_mask(const occupancy *o, const strata_frame *frame) {
-    const strata_bind binds[] = {
-        {.struct_size = sizeof(strata_bind), .name = "Tiles", .buffer = o->tiles},
-        {.struct_size = sizeof(strata_bind), .name = "Mask", .buffer = o->mask}};
+    const strata_bind bound[] = {bind_buffer("Tiles", o->tiles), bind_buffer("Mask", o->mask)};
     frame->fill(frame->self, o->mask, 0, 0, 0);
     frame->pass(
         frame->self,
@@ -174,7 +154,7 @@ static void record_mask(const occupancy *o, const strata_frame *frame) {
                        .label = "mask",
                        .program = o->mask_program,
                        .draws = o->draws,
-                       .binds = binds,
+                       .binds = bound,
                        .bind_count = 2,
                        .color = &(strata_attachment){.struct_size = sizeof(strata_attachment),
                                                      .image = o->count,
@@ -187,16 +167,14 @@ static void record_mask(const occupancy *o, const strata_frame *frame) {
 }
 
 static void record_limit(const occupancy *o, const strata_frame *frame) {
-    const strata_bind binds[] = {
-        {.struct_size = sizeof(strata_bind), .name = "depth_image", .image = o->depth},
-        {.struct_size = sizeof(strata_bind), .name = "Tiles", .buffer = o->tiles},
-        {.struct_size = sizeof(strata_bind), .name = "Mask", .buffer = o->mask}};
+    const strata_bind bound[] = {bind_image("depth_image", o->depth),
+                                 bind_buffer("Tiles", o->tiles), bind_buffer("Mask", o->mask)};
     frame->pass(
         frame->self,
         &(strata_pass){.struct_size = sizeof(strata_pass),
                        .label = "limit",
                        .program = o->limit_program,
-                       .binds = binds,
+                       .binds = bound,
                        .bind_count = 3,
                        .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment),
                                                      .image = o->limit},
@@ -205,13 +183,12 @@ static void record_limit(const occupancy *o, const strata_frame *frame) {
 }
 
 static void record_sums(const occupancy *o, const strata_frame *frame) {
-    const strata_bind binds[] = {
-        {.struct_size = sizeof(strata_bind), .name = "count_image", .image = o->count},
-        {.struct_size = sizeof(strata_bind), .name = "Totals", .buffer = o->totals}};
+    const strata_bind bound[] = {bind_image("count_image", o->count),
+                                 bind_buffer("Totals", o->totals)};
     strata_pass sums = {.struct_size = sizeof sums,
                         .label = "sums",
                         .program = o->sums_program,
-                        .binds = binds,
+                        .binds = bound,
                         .bind_count = 2};
     strata_groups(((uint64_t)frame->band_width * frame->band_height + 3) / 4, sums.groups);
     frame->fill(frame->self, o->totals, 0, 0, 0);
@@ -219,8 +196,7 @@ static void record_sums(const occupancy *o, const strata_frame *frame) {
 }
 
 static void record_lost(const occupancy *o, const strata_frame *frame) {
-    const strata_bind limit = {
-        .struct_size = sizeof limit, .name = "limit_image", .image = o->limit};
+    const strata_bind limit = bind_image("limit_image", o->limit);
     frame->pass(
         frame->self,
         &(strata_pass){.struct_size = sizeof(strata_pass),
@@ -264,8 +240,7 @@ static void destroy(void *state) {
     memset(state, 0, sizeof(occupancy));
 }
 
-/* ---- what the plan reads ------------------------------------------------------------------------
- */
+/* ---- what the plan reads --------------------------------------------------------------------- */
 
 /* Of the largest mask that `auto` takes for k = 32. */
 static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
@@ -275,14 +250,11 @@ static strata_result estimate(const strata_scene_stats *stats, const strata_sett
     return STRATA_OK;
 }
 
-static const strata_slot_use draws_use = {.struct_size = sizeof(strata_slot_use),
-                                          .use = STRATA_SLOT_CONSUMES,
-                                          .slot = "draws.transparent/1"};
 static const strata_slot_use depth_use = {
     .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_CONSUMES, .slot = "depth/1"};
 static const strata_slot_use limit_use = {
     .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_PRODUCES, .slot = "limit/1"};
-static const strata_slot_use *const slots[] = {&draws_use, &depth_use, &limit_use};
+static const strata_slot_use *const slots[] = {&slots_draws, &depth_use, &limit_use};
 
 static const strata_knob buckets = {.struct_size = sizeof(strata_knob),
                                     .type = STRATA_KNOB_INT,

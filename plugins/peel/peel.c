@@ -10,7 +10,11 @@
  * own. Steps are recorded in batches; after each the host reads how far the last one got.
  */
 #include "peel_glsl.h"
+#include "shared/binds.h"
 #include "shared/counting.h"
+#include "shared/create.h"
+#include "shared/records.h"
+#include "shared/slots.h"
 #include "strata/strata.h"
 
 #include <string.h>
@@ -42,9 +46,6 @@ typedef struct peel {
 } peel;
 
 static const strata_glsl *const includes[] = {&state_glsl, &walks_glsl, NULL};
-static const char *const payload_names[STRATA_MAX_PLANES] = {
-    "StrataPayload0", "StrataPayload1", "StrataPayload2", "StrataPayload3",
-    "StrataPayload4", "StrataPayload5", "StrataPayload6", "StrataPayload7"};
 
 static strata_result create(void *state, const strata_host *host, const strata_gpu *gpu) {
     (void)host;
@@ -101,30 +102,14 @@ static strata_result prepare_buffers(peel *p, const strata_view *view) {
     };
     strata_result r = STRATA_OK;
     for (size_t i = 0; i < sizeof rows / sizeof *rows && r == STRATA_OK; ++i)
-        r = p->gpu->buffer_create(p->gpu->self,
-                                  &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
-                                                        .label = rows[i].label,
-                                                        .size = rows[i].size},
-                                  rows[i].out);
+        r = create_buffer(p->gpu, rows[i].label, rows[i].size, rows[i].out);
     if (r == STRATA_OK)
         r = counting_prepare_totals(&p->totals, p->gpu);
     p->plane_count = view->payload_plane_count;
     for (uint32_t i = 0; i < p->plane_count && r == STRATA_OK; ++i)
-        r = p->gpu->buffer_create(
-            p->gpu->self,
-            &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
-                                  .label = payload_names[i],
-                                  .size = slots * view->payload_plane_strides[i]},
-            &p->payload[i]);
+        r = create_buffer(p->gpu, records_payload_names[i], slots * view->payload_plane_strides[i],
+                          &p->payload[i]);
     return r;
-}
-
-static strata_result image(const peel *p, const char *label, uint32_t format, strata_image *out) {
-    return p->gpu->image_create(p->gpu->self,
-                                &(strata_image_desc){.struct_size = sizeof(strata_image_desc),
-                                                     .label = label,
-                                                     .format = format},
-                                out);
 }
 
 static strata_result prepare(void *state, const strata_view *view) {
@@ -137,36 +122,19 @@ static strata_result prepare(void *state, const strata_view *view) {
     memset(p->steps, 0, sizeof p->steps);
     strata_result r = prepare_buffers(p, view);
     if (r == STRATA_OK && p->sides == 1)
-        r = image(p, "nearest", STRATA_FORMAT_D32F, &p->nearest_depth);
+        r = create_image(p->gpu, "nearest", STRATA_FORMAT_D32F, 0, 0, &p->nearest_depth);
     if (r == STRATA_OK && p->sides == 2)
-        r = image(p, "nearest", STRATA_FORMAT_R32F, &p->nearest);
+        r = create_image(p->gpu, "nearest", STRATA_FORMAT_R32F, 0, 0, &p->nearest);
     if (r == STRATA_OK && p->sides == 2)
-        r = image(p, "farthest", STRATA_FORMAT_R32F, &p->farthest);
+        r = create_image(p->gpu, "farthest", STRATA_FORMAT_R32F, 0, 0, &p->farthest);
     return r == STRATA_OK ? prepare_programs(p) : r;
 }
 
 /* ---- record ---------------------------------------------------------------------------------- */
 
-enum { BIND_MAX = 6 + STRATA_MAX_PLANES };
-
-typedef struct binds {
-    strata_bind at[BIND_MAX];
-    uint32_t count;
-} binds;
-
-static void add_buffer(binds *b, const char *name, strata_buffer buffer) {
-    b->at[b->count++] =
-        (strata_bind){.struct_size = sizeof(strata_bind), .name = name, .buffer = buffer};
-}
-
-static void add_image(binds *b, const char *name, strata_image bound) {
-    b->at[b->count++] =
-        (strata_bind){.struct_size = sizeof(strata_bind), .name = name, .image = bound};
-}
-
 static void add_payload(binds *b, const peel *p) {
     for (uint32_t i = 0; i < p->plane_count; ++i)
-        add_buffer(b, payload_names[i], p->payload[i]);
+        binds_buffer(b, records_payload_names[i], p->payload[i]);
 }
 
 static strata_attachment attach(strata_image target) {
@@ -176,11 +144,11 @@ static strata_attachment attach(strata_image target) {
 static void record_fold(const peel *p, const strata_frame *frame, uint32_t step) {
     const uint32_t params[2] = {step, p->layers};
     binds b = {.count = 0};
-    add_buffer(&b, "PeelLast", p->last);
-    add_buffer(&b, "PeelFounds", p->founds);
-    add_buffer(&b, "PeelWalks", p->walks);
-    add_buffer(&b, "PeelCounts", p->counts);
-    add_buffer(&b, "PeelProgress", p->progress);
+    binds_buffer(&b, "PeelLast", p->last);
+    binds_buffer(&b, "PeelFounds", p->founds);
+    binds_buffer(&b, "PeelWalks", p->walks);
+    binds_buffer(&b, "PeelCounts", p->counts);
+    binds_buffer(&b, "PeelProgress", p->progress);
     add_payload(&b, p);
     strata_pass pass = {.struct_size = sizeof pass,
                         .label = "fold",
@@ -190,7 +158,7 @@ static void record_fold(const peel *p, const strata_frame *frame, uint32_t step)
     strata_attachment depth = attach(p->nearest_depth);
     depth.load = STRATA_LOAD_DISCARD;
     if (p->sides == 1) {
-        add_image(&b, "limit", p->limit);
+        binds_image(&b, "limit", p->limit);
         pass.depth = &depth;
         pass.depth_test = STRATA_TEST_ALWAYS;
         pass.depth_write = 1;
@@ -227,12 +195,12 @@ static void record_nearest(const peel *p, const strata_frame *frame) {
 static void record_shade(const peel *p, const strata_frame *frame) {
     const strata_attachment depth = attach(p->sides == 1 ? p->nearest_depth : p->limit);
     binds b = {.count = 0};
-    add_buffer(&b, "PeelLast", p->last);
-    add_buffer(&b, "PeelFounds", p->founds);
+    binds_buffer(&b, "PeelLast", p->last);
+    binds_buffer(&b, "PeelFounds", p->founds);
     add_payload(&b, p);
     if (p->sides == 2) {
-        add_image(&b, "nearest_image", p->nearest);
-        add_image(&b, "farthest_image", p->farthest);
+        binds_image(&b, "nearest_image", p->nearest);
+        binds_image(&b, "farthest_image", p->farthest);
     }
     frame->pass(frame->self,
                 &(strata_pass){.struct_size = sizeof(strata_pass),
@@ -249,8 +217,8 @@ static void record_shade(const peel *p, const strata_frame *frame) {
 static void record_rest(const peel *p, const strata_frame *frame) {
     const strata_attachment depth = attach(p->limit);
     binds b = {.count = 0};
-    add_buffer(&b, "PeelLast", p->last);
-    add_buffer(&b, "PeelCounts", p->counts);
+    binds_buffer(&b, "PeelLast", p->last);
+    binds_buffer(&b, "PeelCounts", p->counts);
     frame->pass(frame->self, &(strata_pass){.struct_size = sizeof(strata_pass),
                                             .label = "rest",
                                             .program = p->rest_program,
@@ -263,10 +231,10 @@ static void record_rest(const peel *p, const strata_frame *frame) {
 
 static void record_finish(const peel *p, const strata_frame *frame) {
     binds b = {.count = 0};
-    add_buffer(&b, "PeelWalks", p->walks);
-    add_buffer(&b, "PeelCounts", p->counts);
-    add_buffer(&b, "Totals", p->totals.totals);
-    add_image(&b, "color", p->color);
+    binds_buffer(&b, "PeelWalks", p->walks);
+    binds_buffer(&b, "PeelCounts", p->counts);
+    binds_buffer(&b, "Totals", p->totals.totals);
+    binds_image(&b, "color", p->color);
     strata_pass pass = {.struct_size = sizeof pass,
                         .label = "finish",
                         .program = p->finish_program,
@@ -332,30 +300,19 @@ static void destroy(void *state) {
 
 static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
                               strata_cost *cost) {
-    static const uint64_t payload_bytes[] = {16, 8, 4}; /* STRATA_PAYLOAD_*, plain transparency */
     (void)stats;
     const uint64_t sides = settings->values[KNOB_MODE] > 0 ? 2 : 1;
-    cost->bytes_per_pixel = 8 + sides * (60 + payload_bytes[(int)settings->values[KNOB_PAYLOAD]]);
+    cost->bytes_per_pixel =
+        8 + sides * (60 + records_payload_bytes[(int)settings->values[KNOB_PAYLOAD]]);
     cost->bytes_per_fragment = 0;
     cost->bytes_fixed = 64;
     return STRATA_OK;
 }
 
-static const strata_slot_use draws_use = {.struct_size = sizeof(strata_slot_use),
-                                          .use = STRATA_SLOT_CONSUMES,
-                                          .slot = "draws.transparent/1"};
-static const strata_slot_use limit_use = {
-    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_CONSUMES, .slot = "limit/1"};
-static const strata_slot_use color_use = {
-    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_UPDATES, .slot = "color/1"};
-static const strata_slot_use bound_use = {.struct_size = sizeof(strata_slot_use),
-                                          .use = STRATA_SLOT_UPDATES,
-                                          .slot = "bound/1",
-                                          .optional = 1};
-static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &color_use, &bound_use};
+static const strata_slot_use *const slots[] = {&slots_draws, &slots_limit, &slots_color,
+                                               &slots_bound};
 
 static const char *const mode_choices[] = {"front_to_back", "dual", NULL};
-static const char *const payload_choices[] = {"float", "half", "unorm8", NULL};
 static const strata_knob mode = {.struct_size = sizeof(strata_knob),
                                  .type = STRATA_KNOB_CHOICE,
                                  .name = "mode",
@@ -372,14 +329,7 @@ static const strata_knob layers = {.struct_size = sizeof(strata_knob),
                                    .unit = "layers",
                                    .maximum = LARGEST_DEPTH,
                                    .trades_accuracy = 1};
-static const strata_knob payload = {.struct_size = sizeof(strata_knob),
-                                    .type = STRATA_KNOB_CHOICE,
-                                    .name = "payload",
-                                    .title = "precision of what a fragment is folded from",
-                                    .maximum = 2,
-                                    .choices = payload_choices,
-                                    .trades_accuracy = 1};
-static const strata_knob *const knobs[] = {&mode, &layers, &payload};
+static const strata_knob *const knobs[] = {&mode, &layers, &records_payload_knob};
 
 static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),

@@ -13,6 +13,7 @@
  */
 #include "ppc_glsl.h"
 #include "shared/classes.h"
+#include "shared/slots.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -277,18 +278,7 @@ static strata_result estimate(const strata_scene_stats *stats, const strata_sett
     return STRATA_OK;
 }
 
-static const strata_slot_use fragments_use = {.struct_size = sizeof(strata_slot_use),
-                                              .use = STRATA_SLOT_CONSUMES,
-                                              .slot = "fragments/1",
-                                              .layouts = 1u << STRATA_FRAGMENTS_CONTIGUOUS |
-                                                         1u << STRATA_FRAGMENTS_LINKED};
-static const strata_slot_use color_use = {
-    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_UPDATES, .slot = "color/1"};
-static const strata_slot_use bound_use = {.struct_size = sizeof(strata_slot_use),
-                                          .use = STRATA_SLOT_UPDATES,
-                                          .slot = "bound/1",
-                                          .optional = 1};
-static const strata_slot_use *const slots[] = {&fragments_use, &color_use, &bound_use};
+static const strata_slot_use *const slots[] = {&slots_fragments, &slots_color, &slots_bound};
 
 static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),

@@ -3,6 +3,7 @@
  * Pixel classes and their networks. See classes.h.
  */
 #include "shared/classes.h"
+#include "shared/create.h"
 
 #include <stddef.h>
 
@@ -66,15 +67,6 @@ static strata_result prepare_programs(classes *c, const strata_gpu *gpu, uint32_
     return r;
 }
 
-static strata_result buffer(const strata_gpu *gpu, const char *label, uint64_t size,
-                            strata_buffer *out) {
-    return gpu->buffer_create(gpu->self,
-                              &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
-                                                    .label = label,
-                                                    .size = size},
-                              out);
-}
-
 strata_result classes_prepare(classes *c, const strata_gpu *gpu, const strata_view *view,
                               uint32_t blocks, uint32_t ends) {
     const uint64_t pixels = (uint64_t)view->band_width * view->band_height;
@@ -83,9 +75,9 @@ strata_result classes_prepare(classes *c, const strata_gpu *gpu, const strata_vi
     c->ends = ends;
     if (!c->fragments)
         return STRATA_ERROR_INVALID_STATE;
-    strata_result r = buffer(gpu, "classes", sizeof(classes_table), &c->table);
+    strata_result r = create_buffer(gpu, "classes", sizeof(classes_table), &c->table);
     if (r == STRATA_OK)
-        r = buffer(gpu, "lists", pixels * 4, &c->lists);
+        r = create_buffer(gpu, "lists", pixels * 4, &c->lists);
     if (r == STRATA_OK)
         r = gpu->pool_create(gpu->self,
                              &(strata_pool_desc){.struct_size = sizeof(strata_pool_desc),

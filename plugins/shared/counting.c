@@ -4,6 +4,9 @@
  */
 #include "shared/counting.h"
 
+#include "shared/binds.h"
+#include "shared/create.h"
+
 enum { TILE = 64 };
 
 static const strata_glsl count_glsl = {"#include \"strata/count.frag.glsl\"\n", "count.frag"};
@@ -19,17 +22,12 @@ static uint32_t tiles(uint32_t width, uint32_t height) {
     return ((width + TILE - 1) / TILE) * ((height + TILE - 1) / TILE);
 }
 
-static strata_result buffer(const strata_gpu *gpu, const char *label, uint64_t size,
-                            strata_buffer *out) {
-    return gpu->buffer_create(gpu->self,
-                              &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
-                                                    .label = label,
-                                                    .size = size},
-                              out);
+strata_result counting_prepare_totals(counting *c, const strata_gpu *gpu) {
+    return create_buffer(gpu, "totals", sizeof(counting_totals), &c->totals);
 }
 
-strata_result counting_prepare_totals(counting *c, const strata_gpu *gpu) {
-    return buffer(gpu, "totals", sizeof(counting_totals), &c->totals);
+strata_result counting_prepare_image(counting *c, const strata_gpu *gpu) {
+    return create_image(gpu, "fragment count", STRATA_FORMAT_R32F, 0, 0, &c->count);
 }
 
 strata_result counting_prepare(counting *c, const strata_gpu *gpu, const strata_view *view,
@@ -49,16 +47,12 @@ strata_result counting_prepare(counting *c, const strata_gpu *gpu, const strata_
         {&c->offsets_program, STRATA_PROGRAM_COMPUTE, "offsets", &offsets_glsl, 0},
         {&c->ranges_program, STRATA_PROGRAM_COMPUTE, "ranges", &ranges_glsl, 1},
     };
-    const strata_image_desc count = {.struct_size = sizeof count,
-                                     .label = "fragment count",
-                                     .format = STRATA_FORMAT_R32F,
-                                     .width = view->width,
-                                     .height = view->height};
-    strata_result r = gpu->image_create(gpu->self, &count, &c->count);
+    strata_result r = counting_prepare_image(c, gpu);
     if (r == STRATA_OK)
         r = counting_prepare_totals(c, gpu);
     if (r == STRATA_OK)
-        r = buffer(gpu, "tile sums", tiles(view->band_width, view->band_height) * 4ull, &c->sums);
+        r = create_buffer(gpu, "tile sums", tiles(view->band_width, view->band_height) * 4ull,
+                          &c->sums);
     for (size_t i = 0; i < sizeof programs / sizeof *programs && r == STRATA_OK; ++i)
         r = gpu->program_create(gpu->self,
                                 &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
@@ -71,16 +65,12 @@ strata_result counting_prepare(counting *c, const strata_gpu *gpu, const strata_
     return r;
 }
 
-static strata_bind bind(const char *name, strata_buffer buffer) {
-    return (strata_bind){.struct_size = sizeof(strata_bind), .name = name, .buffer = buffer};
-}
-
 void counting_record(const counting *c, const strata_frame *frame, strata_draws draws,
                      strata_image limit, strata_buffer ranges, strata_pool records, uint32_t most) {
     const uint32_t tile_count = tiles(frame->band_width, frame->band_height);
     const strata_bind count = {
         .struct_size = sizeof count, .name = "count_image", .image = c->count};
-    const strata_bind sums = bind("Sums", c->sums);
+    const strata_bind sums = bind_buffer("Sums", c->sums);
     uint32_t groups[3]; /* one a tile */
     strata_groups((uint64_t)tile_count * 64, groups);
 
@@ -99,16 +89,16 @@ void counting_record(const counting *c, const strata_frame *frame, strata_draws 
             .color_count = 1,
             .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment), .image = limit},
             .depth_test = STRATA_TEST_GREATER_EQUAL});
-    frame->pass(
-        frame->self,
-        &(strata_pass){.struct_size = sizeof(strata_pass),
-                       .label = "sums",
-                       .program = c->sums_program,
-                       .groups = {groups[0], groups[1]},
-                       .params = &most,
-                       .params_size = sizeof most,
-                       .binds = (const strata_bind[]){count, sums, bind("Totals", c->totals)},
-                       .bind_count = 3});
+    frame->pass(frame->self,
+                &(strata_pass){
+                    .struct_size = sizeof(strata_pass),
+                    .label = "sums",
+                    .program = c->sums_program,
+                    .groups = {groups[0], groups[1]},
+                    .params = &most,
+                    .params_size = sizeof most,
+                    .binds = (const strata_bind[]){count, sums, bind_buffer("Totals", c->totals)},
+                    .bind_count = 3});
     frame->pass(frame->self,
                 &(strata_pass){.struct_size = sizeof(strata_pass),
                                .label = "offsets",
@@ -120,16 +110,16 @@ void counting_record(const counting *c, const strata_frame *frame, strata_draws 
                                    (const strata_bind[]){
                                        sums, {.struct_size = sizeof(strata_bind), .pool = records}},
                                .bind_count = 2});
-    frame->pass(
-        frame->self,
-        &(strata_pass){.struct_size = sizeof(strata_pass),
-                       .label = "ranges",
-                       .program = c->ranges_program,
-                       .groups = {groups[0], groups[1]},
-                       .params = &most,
-                       .params_size = sizeof most,
-                       .binds = (const strata_bind[]){count, sums, bind("StrataRanges", ranges)},
-                       .bind_count = 3});
+    frame->pass(frame->self,
+                &(strata_pass){.struct_size = sizeof(strata_pass),
+                               .label = "ranges",
+                               .program = c->ranges_program,
+                               .groups = {groups[0], groups[1]},
+                               .params = &most,
+                               .params_size = sizeof most,
+                               .binds = (const strata_bind[]){count, sums,
+                                                              bind_buffer("StrataRanges", ranges)},
+                               .bind_count = 3});
 }
 
 static uint64_t wide(const uint32_t words[2]) {
@@ -149,6 +139,6 @@ strata_result counting_verify(const counting *c, const strata_frame *frame,
     if (totals->largest < COUNTING_LIMIT)
         return STRATA_OK;
     frame->fail(frame->self, STRATA_ERROR_OVERFLOW,
-                "a pixel holds 2^24 fragments or more; abuffer.mode=linked has no such limit");
+                "a pixel holds 2^24 fragments or more, too many to be counted by blending");
     return STRATA_ERROR_OVERFLOW;
 }

@@ -24,14 +24,14 @@ typedef struct counting_totals {
 #define COUNTING_CURSORS 2 /* beginnings, and in the image of counts too, which it counts up */
 
 typedef struct counting {
-    strata_image
-        count; /* R32F; with COUNTING_CURSORS read and replaced as strata/cursor.glsl says */
+    strata_image count; /* R32F; with COUNTING_CURSORS also cursors, see strata/cursor.glsl */
     strata_buffer sums, totals;
     strata_program count_program, sums_program, offsets_program, ranges_program;
 } counting;
 
-/* The totals alone, for captures that add to them by themselves. */
+/* The totals or the image of counts alone, for captures that add to them by themselves. */
 strata_result counting_prepare_totals(counting *c, const strata_gpu *gpu);
+strata_result counting_prepare_image(counting *c, const strata_gpu *gpu);
 
 /* All that counting_record needs, in prepare(). offsets: COUNTING_STARTS, _ENDS or _CURSORS. */
 strata_result counting_prepare(counting *c, const strata_gpu *gpu, const strata_view *view,

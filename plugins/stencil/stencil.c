@@ -14,7 +14,11 @@
  * recorded again; and so it is where fragments were routed that were not counted, with a shader
  * that looks for them.
  */
+#include "shared/binds.h"
 #include "shared/counting.h"
+#include "shared/create.h"
+#include "shared/records.h"
+#include "shared/slots.h"
 #include "stencil_glsl.h"
 #include "strata/strata.h"
 
@@ -53,49 +57,20 @@ static strata_result create(void *state, const strata_host *host, const strata_g
 
 /* ---- prepare --------------------------------------------------------------------------------- */
 
-static strata_result image(const stencil *s, const strata_view *view, const char *label,
-                           uint32_t format, strata_image *out) {
-    return s->gpu->image_create(s->gpu->self,
-                                &(strata_image_desc){.struct_size = sizeof(strata_image_desc),
-                                                     .label = label,
-                                                     .format = format,
-                                                     .width = view->width,
-                                                     .height = view->height},
-                                out);
-}
-
-static strata_result create_images(stencil *s, const strata_view *view) {
-    strata_result r = image(s, view, "routing stencil", STRATA_FORMAT_D32F_S8, &s->routing);
+static strata_result create_images(stencil *s) {
+    strata_result r =
+        create_image(s->gpu, "routing stencil", STRATA_FORMAT_D32F_S8, 0, 0, &s->routing);
     for (uint32_t i = 0; i < BATCH / CHANNELS && r == STRATA_OK; ++i)
-        r = image(s, view, "layers", STRATA_FORMAT_RGBA32U, &s->layers[i]);
+        r = create_image(s->gpu, "layers", STRATA_FORMAT_RGBA32U, 0, 0, &s->layers[i]);
     return r;
 }
 
 static strata_result create_buffers(stencil *s, const strata_view *view) {
-    static const char *const payload_names[STRATA_MAX_PLANES] = {
-        "StrataPayload0", "StrataPayload1", "StrataPayload2", "StrataPayload3",
-        "StrataPayload4", "StrataPayload5", "StrataPayload6", "StrataPayload7"};
-    strata_pool_desc records = {.struct_size = sizeof records,
-                                .label = "fragments",
-                                .counter_name = "StrataFragmentPool",
-                                .plane_names = {"StrataKeys"},
-                                .plane_strides = {8},
-                                .plane_count = 1 + view->payload_plane_count};
-    if (records.plane_count > STRATA_MAX_PLANES)
-        return STRATA_ERROR_UNSUPPORTED;
-    for (uint32_t i = 0; i < view->payload_plane_count; ++i) {
-        records.plane_names[1 + i] = payload_names[i];
-        records.plane_strides[1 + i] = view->payload_plane_strides[i];
-    }
-    const strata_buffer_desc ranges = {.struct_size = sizeof ranges,
-                                       .label = "ranges",
-                                       .size = (uint64_t)view->band_width * view->band_height * 8};
-    const strata_buffer_desc routing = {
-        .struct_size = sizeof routing, .label = "routing state", .size = 8};
-    strata_result r = s->gpu->buffer_create(s->gpu->self, &ranges, &s->ranges);
+    const uint64_t pixels = (uint64_t)view->band_width * view->band_height;
+    strata_result r = create_buffer(s->gpu, "ranges", pixels * 8, &s->ranges);
     if (r == STRATA_OK)
-        r = s->gpu->buffer_create(s->gpu->self, &routing, &s->routing_state);
-    return r == STRATA_OK ? s->gpu->pool_create(s->gpu->self, &records, &s->records) : r;
+        r = create_buffer(s->gpu, "routing state", 8, &s->routing_state);
+    return r == STRATA_OK ? records_create(s->gpu, view, NULL, 0, &s->records) : r;
 }
 
 static strata_result program(const stencil *s, uint32_t kind, const char *label,
@@ -143,7 +118,7 @@ static strata_result prepare(void *state, const strata_view *view) {
     s->limit = view->image(view->self, "limit/1");
     if (view->changed & (STRATA_CHANGED_SCENE | STRATA_CHANGED_EFFECTS))
         s->selects = view->stats->opaque_draws > 0;
-    strata_result r = create_images(s, view);
+    strata_result r = create_images(s);
     if (r == STRATA_OK)
         r = create_buffers(s, view);
     if (r == STRATA_OK)
@@ -160,14 +135,6 @@ static strata_result prepare(void *state, const strata_view *view) {
 }
 
 /* ---- record ---------------------------------------------------------------------------------- */
-
-static strata_bind bind_image(const char *name, strata_image image) {
-    return (strata_bind){.struct_size = sizeof(strata_bind), .name = name, .image = image};
-}
-
-static strata_bind bind_buffer(const char *name, strata_buffer buffer) {
-    return (strata_bind){.struct_size = sizeof(strata_bind), .name = name, .buffer = buffer};
-}
 
 /* Into layer i goes the fragment that finds 2 in the stencil: number i of those that pass. */
 static void record_route(const stencil *s, const strata_frame *frame, uint32_t layer) {
@@ -201,12 +168,10 @@ static void record_route(const stencil *s, const strata_frame *frame, uint32_t l
 static void record_batch(const stencil *s, const strata_frame *frame, uint32_t first,
                          uint32_t count) {
     const uint32_t params[] = {first, count};
-    strata_bind binds[] = {bind_image("layers0", s->layers[0]),
-                           bind_image("layers4", s->layers[1]),
-                           bind_buffer("StrataRanges", s->ranges),
-                           {.struct_size = sizeof(strata_bind), .pool = s->records}};
+    strata_bind bound[] = {bind_image("layers0", s->layers[0]), bind_image("layers4", s->layers[1]),
+                           bind_buffer("StrataRanges", s->ranges), bind_pool(s->records)};
     strata_pass pass = {
-        .struct_size = sizeof pass, .params = params, .binds = binds, .bind_count = 4};
+        .struct_size = sizeof pass, .params = params, .binds = bound, .bind_count = 4};
     /* The last layer's stencil is below where it began by one for each fragment of the pixel: below
      * ROUTED + count - 1 when these are more than the layers before the batch. */
     pass.label = "store";
@@ -225,7 +190,7 @@ static void record_batch(const stencil *s, const strata_frame *frame, uint32_t f
     pass.params_size = sizeof params;
     pass.depth = NULL;
     pass.stencil_test = STRATA_TEST_NONE;
-    binds[3] = bind_buffer("Routing", s->routing_state);
+    bound[3] = bind_buffer("Routing", s->routing_state);
     strata_groups((uint64_t)frame->band_width * frame->band_height, pass.groups);
     frame->pass(frame->self, &pass);
 }
@@ -319,34 +284,20 @@ static void destroy(void *state) {
 
 static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
                               strata_cost *cost) {
-    static const uint64_t payload_bytes[] = {16, 8, 4}; /* STRATA_PAYLOAD_*, plain transparency */
     (void)stats;
     cost->bytes_per_pixel = 52;
-    cost->bytes_per_fragment = 8 + payload_bytes[(int)settings->values[0]];
+    cost->bytes_per_fragment = 8 + records_payload_bytes[(int)settings->values[0]];
     cost->bytes_fixed = 64;
     return STRATA_OK;
 }
 
-static const strata_slot_use draws_use = {.struct_size = sizeof(strata_slot_use),
-                                          .use = STRATA_SLOT_CONSUMES,
-                                          .slot = "draws.transparent/1"};
-static const strata_slot_use limit_use = {
-    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_CONSUMES, .slot = "limit/1"};
 static const strata_slot_use fragments_use = {.struct_size = sizeof(strata_slot_use),
                                               .use = STRATA_SLOT_PRODUCES,
                                               .slot = "fragments/1",
                                               .layouts = 1u << STRATA_FRAGMENTS_CONTIGUOUS};
-static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &fragments_use};
+static const strata_slot_use *const slots[] = {&slots_draws, &slots_limit, &fragments_use};
 
-static const char *const payload_choices[] = {"float", "half", "unorm8", NULL};
-static const strata_knob payload = {.struct_size = sizeof(strata_knob),
-                                    .type = STRATA_KNOB_CHOICE,
-                                    .name = "payload",
-                                    .title = "precision of what a record holds",
-                                    .maximum = 2,
-                                    .choices = payload_choices,
-                                    .trades_accuracy = 1};
-static const strata_knob *const knobs[] = {&payload};
+static const strata_knob *const knobs[] = {&records_payload_knob};
 
 static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),

@@ -8,6 +8,9 @@
  * Nothing is sorted and nothing is kept: fast, and wrong wherever several fragments meet. The
  * yardstick for what order is worth.
  */
+#include "shared/binds.h"
+#include "shared/create.h"
+#include "shared/slots.h"
 #include "strata/strata.h"
 #include "wboit_glsl.h"
 
@@ -27,14 +30,6 @@ static strata_result create(void *state, const strata_host *host, const strata_g
     (void)host;
     ((wboit *)state)->gpu = gpu;
     return STRATA_OK;
-}
-
-static strata_result image(const wboit *w, const char *label, uint32_t format, strata_image *out) {
-    return w->gpu->image_create(w->gpu->self,
-                                &(strata_image_desc){.struct_size = sizeof(strata_image_desc),
-                                                     .label = label,
-                                                     .format = format},
-                                out);
 }
 
 static strata_result program(const wboit *w, uint32_t kind, const char *label,
@@ -60,11 +55,11 @@ static strata_result prepare(void *state, const strata_view *view) {
     w->draws = view->draws(view->self, "draws.transparent/1");
     w->color = view->image(view->self, "color/1");
     w->limit = view->image(view->self, "limit/1");
-    strata_result r = image(w, "accumulation", wide, &w->accumulation);
+    strata_result r = create_image(w->gpu, "accumulation", wide, 0, 0, &w->accumulation);
     if (r == STRATA_OK)
-        r = image(w, "revealage",
-                  view->transmittance_channels == 3 ? wide : (uint32_t)STRATA_FORMAT_R32F,
-                  &w->revealage);
+        r = create_image(w->gpu, "revealage",
+                         view->transmittance_channels == 3 ? wide : (uint32_t)STRATA_FORMAT_R32F, 0,
+                         0, &w->revealage);
     if (r == STRATA_OK)
         r = program(w, STRATA_PROGRAM_SCENE, "blend", &blend_frag_glsl,
                     weights[(int)values[KNOB_WEIGHT]], &w->blend_program);
@@ -86,10 +81,9 @@ static void record(void *state, const strata_frame *frame) {
                                           .load = STRATA_LOAD_CLEAR,
                                           .blend = STRATA_BLEND_MULTIPLY,
                                           .clear = {1, 1, 1, 1}}};
-    const strata_bind binds[] = {
-        {.struct_size = sizeof(strata_bind), .name = "accumulation", .image = w->accumulation},
-        {.struct_size = sizeof(strata_bind), .name = "revealage", .image = w->revealage},
-        {.struct_size = sizeof(strata_bind), .name = "color", .image = w->color}};
+    const strata_bind bound[] = {bind_image("accumulation", w->accumulation),
+                                 bind_image("revealage", w->revealage),
+                                 bind_image("color", w->color)};
     frame->pass(
         frame->self,
         &(strata_pass){.struct_size = sizeof(strata_pass),
@@ -106,7 +100,7 @@ static void record(void *state, const strata_frame *frame) {
     strata_pass composite = {.struct_size = sizeof composite,
                              .label = "composite",
                              .program = w->composite_program,
-                             .binds = binds,
+                             .binds = bound,
                              .bind_count = 3};
     strata_groups((uint64_t)frame->band_width * frame->band_height, composite.groups);
     frame->pass(frame->self, &composite);
@@ -127,18 +121,8 @@ static strata_result estimate(const strata_scene_stats *stats, const strata_sett
     return STRATA_OK;
 }
 
-static const strata_slot_use draws_use = {.struct_size = sizeof(strata_slot_use),
-                                          .use = STRATA_SLOT_CONSUMES,
-                                          .slot = "draws.transparent/1"};
-static const strata_slot_use limit_use = {
-    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_CONSUMES, .slot = "limit/1"};
-static const strata_slot_use color_use = {
-    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_UPDATES, .slot = "color/1"};
-static const strata_slot_use bound_use = {.struct_size = sizeof(strata_slot_use),
-                                          .use = STRATA_SLOT_UPDATES,
-                                          .slot = "bound/1",
-                                          .optional = 1};
-static const strata_slot_use *const slots[] = {&draws_use, &limit_use, &color_use, &bound_use};
+static const strata_slot_use *const slots[] = {&slots_draws, &slots_limit, &slots_color,
+                                               &slots_bound};
 
 static const char *const weight_choices[] = {"one", "eq7", "eq8", "eq9", "eq10", NULL};
 static const char *const precision_choices[] = {"float", "half", NULL};

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Buffers and images of which only a size, a format and a label matter.
+ */
+#ifndef STRATA_PLUGINS_CREATE_H
+#define STRATA_PLUGINS_CREATE_H
+
+#include "strata/strata.h"
+
+static inline strata_result create_buffer(const strata_gpu *gpu, const char *label, uint64_t size,
+                                          strata_buffer *out) {
+    return gpu->buffer_create(gpu->self,
+                              &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
+                                                    .label = label,
+                                                    .size = size},
+                              out);
+}
+
+/* Width and height 0: the frame's. */
+static inline strata_result create_image(const strata_gpu *gpu, const char *label, uint32_t format,
+                                         uint32_t width, uint32_t height, strata_image *out) {
+    return gpu->image_create(gpu->self,
+                             &(strata_image_desc){.struct_size = sizeof(strata_image_desc),
+                                                  .label = label,
+                                                  .format = format,
+                                                  .width = width,
+                                                  .height = height},
+                             out);
+}
+
+#endif
