@@ -82,7 +82,8 @@ typedef struct strata_view {
      * fills "image.bound/1" where a certificate is asked for (+inf when the frame starts): bound/1
      * filtered alike, and the filter's own rounding. */
     strata_image (*image)(void *self, const char *slot);
-    /* The draws that fill "draws.opaque/1" or "draws.transparent/1"; as above. */
+    /* The draws that fill "draws.opaque/1" or "draws.transparent/1"; as above. Under
+     * "draws.opaque.all/1" and "draws.transparent.all/1": before any technique updated them. */
     strata_draws (*draws)(void *self, const char *slot);
     /* Producers of a slot with an image of their own making (limit/1) hand it over here. */
     strata_result (*publish_image)(void *self, const char *slot, strata_image image);
@@ -95,6 +96,13 @@ typedef struct strata_view {
      * UPDATES, optional; zero when the frame starts), +inf where nothing can be said. */
     uint32_t certify;
     uint32_t filter;                    /* STRATA_FILTER_*: for who fills image/1 */
+    /* Techniques that update "draws.opaque/1" or "draws.transparent/1" hand over what is drawn from
+     * now on in its place; buffers of the technique's own, which it fills in each round. */
+    strata_result (*publish_draws)(void *self, const char *slot, const strata_draws_desc *desc);
+    /* Objects of both draw lists, for those that name "objects/1" (strata/objects.glsl); else 0. The
+     * number changes with STRATA_CHANGED_SCENE only. */
+    uint32_t object_count;
+    uint32_t reserved;
 } strata_view;
 
 /* ---- record and verify ------------------------------------------------------------------------ */
@@ -106,20 +114,28 @@ typedef struct strata_view {
 #define STRATA_REPORT_FRAGMENTS_DROPPED 3u /* by design (k) or for want of room */
 #define STRATA_REPORT_MAX_PER_PIXEL 4u
 #define STRATA_REPORT_PIXELS_LOST 5u /* pixels whose order was lost, so that they are wrong */
+/* Of techniques that cull objects/1. */
+#define STRATA_REPORT_OBJECTS 6u          /* all that there are */
+#define STRATA_REPORT_OBJECTS_OUTSIDE 7u  /* not drawn, outside of the view */
+#define STRATA_REPORT_OBJECTS_OCCLUDED 8u /* not drawn, hidden by others */
+#define STRATA_REPORT_OBJECTS_LATE 9u     /* drawn in a later round than the first */
 
 /* Owned by the host, valid during record() or verify() only. record() is called once for each round
  * of each band; verify() once for each band after the GPU has finished that band. Stages draws,
  * surface (before all bands) and filter (after them) see one band, the whole frame. */
 typedef struct strata_frame {
     uint32_t struct_size;
-    uint32_t round;              /* 0, or 1 in the second round of a two-phase frame */
+    /* Stages draws and surface have `rounds` rounds: one, or two when a technique of stage draws
+     * consumes depth/1, which is what the rounds before left. Then those of stage draws are called
+     * once more, with round == rounds, when all that is opaque has been drawn. */
+    uint32_t round;
     void *self;
     uint32_t width, height;      /* of the frame, in sub-pixels, like all below */
     uint32_t band, band_count;
     uint32_t x, y, band_width, band_height; /* this band's rectangle */
     uint64_t index;              /* frames since create(), retries not counted */
     uint32_t attempt;            /* 0, or how often this frame was recorded before */
-    uint32_t reserved;
+    uint32_t rounds;
     uint64_t scene_revision;     /* grows with every edit of the scene */
     const strata_gpu *gpu;
 

@@ -84,6 +84,16 @@ typedef struct strata_pool_desc {
     uint64_t expected;                           /* elements to begin with; 0 = the host's guess */
 } strata_pool_desc;
 
+/* Draws of a technique's own making: tightly packed commands of 20 bytes each, as GL and Vulkan have
+ * them: index_count, instance_count, first_index, vertex_offset (0), first_instance. Indices are those
+ * of the scene, instances its records. */
+typedef struct strata_draws_desc {
+    uint32_t struct_size;
+    uint32_t capacity;      /* commands that there is room for, > 0 */
+    strata_buffer commands;
+    strata_buffer count;    /* its first word: how many are drawn, at most `capacity` */
+} strata_draws_desc;
+
 /* What a program does. Fragment-only programs get their vertex stage from the host. */
 #define STRATA_PROGRAM_FULLSCREEN 0u /* source is a fragment shader over the pass's rectangle */
 #define STRATA_PROGRAM_SCENE 1u      /* source is a fragment shader after strata/vertex.glsl */

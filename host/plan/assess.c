@@ -28,8 +28,15 @@ static const struct stage_row {
 static const char *const uses[] = {"", "consume", "produce", "update"};
 
 int plan_host_fills(const char *slot) {
-    static const char *const filled[] = {
-        "draws.opaque/1", "draws.transparent/1", "color/1", "depth/1", "limit/1", "bound/1"};
+    static const char *const filled[] = {"draws.opaque/1",
+                                         "draws.transparent/1",
+                                         "draws.opaque.all/1",
+                                         "draws.transparent.all/1",
+                                         "objects/1",
+                                         "color/1",
+                                         "depth/1",
+                                         "limit/1",
+                                         "bound/1"};
     for (size_t i = 0; i < BASE_COUNT(filled); i++)
         if (strcmp(filled[i], slot) == 0)
             return 1;

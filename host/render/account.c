@@ -93,6 +93,18 @@ static json_t *fragments_json(const render_report *given) {
                      "pixels_lost", known(&report, STRATA_REPORT_PIXELS_LOST, report.lost));
 }
 
+/* Null: nothing is culled one by one. */
+static json_t *objects_json(const render_report *report) {
+    if (!(report->known >> STRATA_REPORT_OBJECTS & 1u))
+        return json_null();
+    const uint64_t culled = report->outside + report->occluded;
+    return json_pack(
+        "{s:o, s:o, s:o, s:o, s:o}", "total", json_integer((json_int_t)report->objects), "drawn",
+        json_integer((json_int_t)(report->objects - culled)), "outside",
+        json_integer((json_int_t)report->outside), "occluded",
+        json_integer((json_int_t)report->occluded), "late", json_integer((json_int_t)report->late));
+}
+
 /* Null: not asked for, or uncertified somewhere. */
 static json_t *bound_json(uint32_t known, uint64_t uncertified, double max, double mean) {
     return known && uncertified == 0 ? json_pack("{s:f, s:f}", "max", max, "mean", mean)
@@ -162,18 +174,20 @@ json_t *render_account_json(const strata *s) {
     for (uint32_t i = 0; i < result->frame_count; ++i)
         json_array_append_new(frame_ms, json_real(result->frame_ms[i]));
     const render_session *session = s->session;
-    return json_pack(
-        "{s:s, s:o, s:[i,i], s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, "
-        "s:o}",
-        "scene", result->scene_path ? result->scene_path : "", "device", render_device_json(s),
-        "size", (int)result->width, (int)result->height, "samples", (int)result->samples, "filter",
-        render_filter_json(result->samples, result->filter), "effects",
-        plan_json_effects(session->plan), "plan", plan_json_techniques(session->plan),
-        "modules_opened", opened_json(s), "passes", passes_json(result), "frame_ms", frame_ms,
-        "bytes", bytes_json(s), "fragments", fragments_json(&result->report), "bound",
-        bound_json(result->bound.known, result->bound.uncertified, result->bound.max,
-                   result->bound.mean),
-        "tolerance", tolerance_json(result), "retries", (int)result->retries, "bands",
-        (int)result->bands, "stalls", (int)result->stalls, "warnings",
-        render_warnings_json(s, session->scene, session->plan));
+    return json_pack("{s:s, s:o, s:[i,i], s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, "
+                     "s:o, s:i, s:i, s:i, "
+                     "s:o}",
+                     "scene", result->scene_path ? result->scene_path : "", "device",
+                     render_device_json(s), "size", (int)result->width, (int)result->height,
+                     "samples", (int)result->samples, "filter",
+                     render_filter_json(result->samples, result->filter), "effects",
+                     plan_json_effects(session->plan), "plan", plan_json_techniques(session->plan),
+                     "modules_opened", opened_json(s), "passes", passes_json(result), "frame_ms",
+                     frame_ms, "bytes", bytes_json(s), "fragments", fragments_json(&result->report),
+                     "objects", objects_json(&result->report), "bound",
+                     bound_json(result->bound.known, result->bound.uncertified, result->bound.max,
+                                result->bound.mean),
+                     "tolerance", tolerance_json(result), "retries", (int)result->retries, "bands",
+                     (int)result->bands, "stalls", (int)result->stalls, "warnings",
+                     render_warnings_json(s, session->scene, session->plan));
 }

@@ -61,7 +61,7 @@ static uint64_t frame_needed(void *self, strata_pool pool) {
 static void frame_report(void *self, uint32_t what, uint64_t value) {
     const render_technique *t = self;
     render_report *report = &t->session->report;
-    if (what < STRATA_REPORT_FRAGMENTS_TOTAL || what > STRATA_REPORT_PIXELS_LOST)
+    if (what < STRATA_REPORT_FRAGMENTS_TOTAL || what > STRATA_REPORT_OBJECTS_LATE)
         return;
     if (strcmp(t->technique->stage, "clip") == 0) {
         if (what == STRATA_REPORT_FRAGMENTS_TOTAL) {
@@ -79,6 +79,14 @@ static void frame_report(void *self, uint32_t what, uint64_t value) {
         report->dropped += value;
     else if (what == STRATA_REPORT_PIXELS_LOST)
         report->lost += value;
+    else if (what == STRATA_REPORT_OBJECTS)
+        report->objects += value;
+    else if (what == STRATA_REPORT_OBJECTS_OUTSIDE)
+        report->outside += value;
+    else if (what == STRATA_REPORT_OBJECTS_OCCLUDED)
+        report->occluded += value;
+    else if (what == STRATA_REPORT_OBJECTS_LATE)
+        report->late += value;
     else if (value > report->largest)
         report->largest = value;
 }
@@ -90,11 +98,14 @@ static void frame_failed(void *self, strata_result result, const char *text) {
         gpu_frame_fail(t->session->owner->gpu, t->planned->technique->id, t->error.result, text);
 }
 
-static strata_frame make_frame(render_technique *t, frame_part part, uint32_t band) {
+static strata_frame make_frame(render_technique *t, frame_part part, uint32_t band,
+                               uint32_t round) {
     const render_session *session = t->session;
     const render_rect whole = {0, 0, session->width, session->height};
     const render_rect *rect = part == PART_BAND ? &session->bands[band] : &whole;
     return (strata_frame){.struct_size = sizeof(strata_frame),
+                          .round = round,
+                          .rounds = session->rounds,
                           .self = t,
                           .width = session->width,
                           .height = session->height,
@@ -140,34 +151,50 @@ static strata_result write_block(render_session *session, const scene_view *view
 
 /* ---- recording and verifying ----------------------------------------------------------------- */
 
+static int draws(const render_technique *t) {
+    return strcmp(t->planned->technique->stage, "draws") == 0;
+}
+
 static frame_part part_of(const render_technique *t) {
     const char *stage = t->planned->technique->stage;
-    if (strcmp(stage, "draws") == 0 || strcmp(stage, "surface") == 0)
+    if (draws(t) || strcmp(stage, "surface") == 0)
         return PART_OPAQUE;
     return strcmp(stage, "filter") == 0 ? PART_FILTER : PART_BAND;
 }
 
-/* Records the techniques of one part of the frame and submits. */
+static strata_result record_technique(render_session *session, render_technique *t, frame_part part,
+                                      uint32_t band, uint32_t round, const char **failed,
+                                      base_error *err) {
+    gpu *g = session->owner->gpu;
+    const strata_frame frame = make_frame(t, part, band, round);
+    strata_result r = STRATA_OK;
+    t->error = (base_error){0};
+    t->recording = 1;
+    t->technique->record(t->state, &frame);
+    t->recording = 0;
+    if (gpu_frame_error(g)->result != STRATA_OK)
+        *failed = t->planned->technique->id;
+    if (session->careful || *failed)
+        r = gpu_submit(g, err);
+    if (r != STRATA_OK)
+        *failed = t->planned->technique->id;
+    return r;
+}
+
+/* Records the techniques of one part of the frame and submits. Where those that draw learn from the
+ * depth that surface leaves, they and it have a round each time, and they one more at the end, in
+ * which nothing opaque is drawn any more. */
 static strata_result record_techniques(render_session *session, frame_part part, uint32_t band,
                                        const char **failed, base_error *err) {
     gpu *g = session->owner->gpu;
+    const uint32_t rounds = part == PART_OPAQUE ? session->rounds : 1;
     strata_result r = STRATA_OK;
-    for (uint32_t i = 0; i < session->technique_count && r == STRATA_OK; ++i) {
-        render_technique *t = &session->techniques[i];
-        if (part_of(t) != part)
-            continue;
-        const strata_frame frame = make_frame(t, part, band);
-        t->error = (base_error){0};
-        t->recording = 1;
-        t->technique->record(t->state, &frame);
-        t->recording = 0;
-        if (gpu_frame_error(g)->result != STRATA_OK)
-            *failed = t->planned->technique->id;
-        if (session->careful || *failed)
-            r = gpu_submit(g, err);
-        if (r != STRATA_OK)
-            *failed = t->planned->technique->id;
-    }
+    for (uint32_t round = 0; round < rounds + (rounds > 1) && r == STRATA_OK; ++round)
+        for (uint32_t i = 0; i < session->technique_count && r == STRATA_OK; ++i) {
+            render_technique *t = &session->techniques[i];
+            if (part_of(t) == part && (round < rounds || draws(t)))
+                r = record_technique(session, t, part, band, round, failed, err);
+        }
     return r == STRATA_OK ? gpu_submit(g, err) : r;
 }
 
@@ -193,7 +220,7 @@ static strata_result verify_techniques(render_session *session, frame_part part,
         }
         if (!t->technique->verify)
             continue;
-        const strata_frame frame = make_frame(t, part, band);
+        const strata_frame frame = make_frame(t, part, band, 0);
         t->error = (base_error){0};
         t->verifying = 1;
         strata_result r = t->technique->verify(t->state, &frame);

@@ -167,11 +167,13 @@ static int fits(const render_session *session, const scene *sc,
 /* Techniques prepare again only when the draws that they hold were replaced. */
 static strata_result follow_edits(render_session *session, base_error *err) {
     const uint32_t opaque = upload_draws(session->upload, "draws.opaque/1").id,
-                   transparent = upload_draws(session->upload, "draws.transparent/1").id;
+                   transparent = upload_draws(session->upload, "draws.transparent/1").id,
+                   objects = upload_count(session->upload).objects;
     strata_result r = upload_update(session->upload, session->scene, err);
     session->scene_revision = session->scene->revision;
     if (upload_draws(session->upload, "draws.opaque/1").id != opaque ||
-        upload_draws(session->upload, "draws.transparent/1").id != transparent) {
+        upload_draws(session->upload, "draws.transparent/1").id != transparent ||
+        upload_count(session->upload).objects != objects) {
         session->changed |= STRATA_CHANGED_SCENE;
         session->prepared = 0;
     }

@@ -86,6 +86,7 @@ typedef struct render_report {
     uint64_t total, kept, dropped, largest;
     uint64_t lost;   /* pixels */
     uint64_t before; /* total of a clip technique, which hides some from those after it */
+    uint64_t objects, outside, occluded, late;
     uint32_t known;  /* bit 1 << STRATA_REPORT_*, or RENDER_REPORT_BEFORE */
 } render_report;
 
@@ -112,6 +113,8 @@ typedef struct render_session {
     strata_buffer frame_block;
     strata_fragments fragments;
     uint32_t has_fragments;
+    strata_draws draws[2]; /* opaque, transparent: as a technique published them last, or none */
+    uint32_t rounds;       /* of the opaque part: 2 when techniques that draw learn from depth/1 */
     render_technique *techniques;
     uint32_t technique_count;
     render_rect *bands;

@@ -148,7 +148,33 @@ static strata_image view_image(void *self, const char *slot) {
 
 static strata_draws view_draws(void *self, const char *slot) {
     const render_technique *t = self;
-    return names_slot(t, slot, 0) ? upload_draws(t->session->upload, slot) : (strata_draws){0};
+    const render_session *session = t->session;
+    if (!names_slot(t, slot, 0))
+        return (strata_draws){0};
+    const uint32_t list = strcmp(slot, "draws.transparent/1") == 0;
+    if ((list || strcmp(slot, "draws.opaque/1") == 0) && session->draws[list].id)
+        return session->draws[list];
+    return upload_draws(session->upload, slot);
+}
+
+static strata_result view_publish_draws(void *self, const char *slot,
+                                        const strata_draws_desc *desc) {
+    render_technique *t = self;
+    strata_draws_desc taken = {.struct_size = sizeof taken};
+    const int transparent = strcmp(slot, "draws.transparent/1") == 0;
+    if (!names_slot(t, slot, STRATA_SLOT_UPDATES) ||
+        (!transparent && strcmp(slot, "draws.opaque/1") != 0))
+        return base_fail(&t->error, STRATA_ERROR_INVALID_ARGUMENT,
+                         "%s: publishes %s, which it does not update", t->planned->technique->id,
+                         slot);
+    strata_result r = take(t, &taken, sizeof taken, desc, "strata_draws_desc");
+    if (r != STRATA_OK)
+        return r;
+    const gpu_draws_desc draws = {.commands = taken.commands,
+                                  .count = taken.count,
+                                  .indices = upload_indices(t->session->upload),
+                                  .capacity = taken.capacity};
+    return gpu_draws_create(t->scope, &draws, &t->session->draws[transparent], &t->error);
 }
 
 static strata_result view_publish_image(void *self, const char *slot, strata_image published) {
@@ -232,6 +258,8 @@ static strata_result prepare_technique(render_technique *t) {
                         .publish_image = view_publish_image,
                         .publish_fragments = view_publish_fragments,
                         .fragments = view_fragments,
+                        .publish_draws = view_publish_draws,
+                        .object_count = upload_count(session->upload).objects,
                         .certify = session->certify};
     memcpy(view.payload_plane_strides, p->payload.plane_strides, sizeof view.payload_plane_strides);
     for (uint32_t i = 0; i < t->pool_count; ++i)
@@ -269,6 +297,7 @@ strata_result render_session_prepare(render_session *session, const char **faile
     if (session->prepared)
         return STRATA_OK;
     session->limit = session->depth;
+    session->draws[0] = session->draws[1] = (strata_draws){0};
     session->has_fragments = 0;
     strata_result prepared = render_bound_prepare(session, err);
     if (prepared != STRATA_OK)
@@ -385,6 +414,18 @@ static strata_result create_targets(render_session *session, base_error *err) {
     return r;
 }
 
+/* Whether a technique of this stage (NULL: of any) names the slot. */
+static uint32_t someone_names(const render_session *session, const char *stage, const char *slot) {
+    for (uint32_t i = 0; i < session->plan->technique_count; ++i) {
+        const modules_technique_note *note = session->plan->techniques[i].technique;
+        for (uint32_t k = 0; k < note->slot_count; ++k)
+            if ((!stage || strcmp(note->stage, stage) == 0) &&
+                strcmp(note->slots[k]->slot, slot) == 0)
+                return 1;
+    }
+    return 0;
+}
+
 /* Materials that draws.transparent/1 holds: those for which an active effect emits. */
 static strata_result create_upload(render_session *session, base_error *err) {
     const scene *sc = session->scene;
@@ -393,8 +434,10 @@ static strata_result create_upload(render_session *session, base_error *err) {
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "scene: out of memory");
     for (uint32_t i = 0; i < sc->material_count; ++i)
         transparent[i] = plan_material_effect(session->plan, &sc->materials[i]) != NULL;
-    strata_result r = upload_create(session->owner->gpu, sc, transparent, session->shuffle,
-                                    &session->upload, err);
+    const upload_options options = {.transparent = transparent,
+                                    .shuffle_seed = session->shuffle,
+                                    .objects = someone_names(session, NULL, "objects/1")};
+    strata_result r = upload_create(session->owner->gpu, sc, &options, &session->upload, err);
     free(transparent);
     return r;
 }
@@ -423,6 +466,7 @@ strata_result render_session_create(strata *s, scene *sc, const strata_render_op
                                 .changed = 0xffffffffu};
     session->scope = gpu_scope_create(s->gpu, "host");
     session->techniques = base_calloc(p->technique_count + 1, sizeof *session->techniques);
+    session->rounds = 1 + someone_names(session, "draws", "depth/1");
     if (!session->scope || !session->techniques)
         return base_fail(err, r, "session: out of memory");
     r = create_targets(session, err);

@@ -10,10 +10,11 @@
 
 /* Every name that a step may set; taken back as a whole. */
 static const char *const global_names[] = {
-    "StrataRecords",   "StrataPositions",   "StrataNormals",      "StrataTangents",
-    "StrataUv0",       "StrataUv1",         "StrataColors",       "StrataRadii",
-    "StrataMaterials", "StrataTextures",    "StrataTexels",       "StrataPrimitiveMap",
-    "StrataLights",    "strata_atlas_srgb", "strata_atlas_linear"};
+    "StrataRecords",     "StrataPositions",   "StrataNormals",       "StrataTangents",
+    "StrataUv0",         "StrataUv1",         "StrataColors",        "StrataRadii",
+    "StrataMaterials",   "StrataTextures",    "StrataTexels",        "StrataPrimitiveMap",
+    "StrataLights",      "strata_atlas_srgb", "strata_atlas_linear", "StrataObjects",
+    "StrataObjectStates"};
 static const char *const define_names[] = {
     "STRATA_LIGHT_COUNT",      "STRATA_HAS_LIT",          "STRATA_HAS_TEXTURES",
     "STRATA_HAS_SRGB",         "STRATA_HAS_LINEAR",       "STRATA_HAS_UV0",
@@ -76,36 +77,36 @@ uint32_t *upload_permutation(uint32_t count, uint64_t seed) {
     return items;
 }
 
-static upload *allocate(gpu *g, const scene *s, uint32_t seed) {
+static upload *allocate(gpu *g, const scene *s, const upload_options *options) {
     upload *u = base_calloc(1, sizeof *u);
     if (!u)
         return NULL;
     u->g = g;
-    u->shuffle_seed = seed;
+    u->shuffle_seed = options->shuffle_seed;
+    u->wants_objects = options->objects;
     u->mesh_count = s->mesh_count;
     u->instance_count = s->instance_count;
     u->material_count = s->material_count;
     u->meshes = base_calloc(s->mesh_count ? s->mesh_count : 1, sizeof *u->meshes);
-    u->record = base_calloc(s->instance_count ? s->instance_count : 1, sizeof *u->record);
-    u->order = upload_permutation(s->instance_count, seed);
+    u->order = upload_permutation(s->instance_count, options->shuffle_seed);
     u->scope = gpu_scope_create(g, "scene");
-    if (u->meshes && u->record && u->order && u->scope)
+    if (u->meshes && u->order && u->scope)
         return u;
     upload_free(u);
     return NULL;
 }
 
-strata_result upload_create(gpu *g, const scene *s, const unsigned char *transparent,
-                            uint32_t shuffle_seed, upload **out, base_error *err) {
+strata_result upload_create(gpu *g, const scene *s, const upload_options *options, upload **out,
+                            base_error *err) {
     *out = NULL;
     forget_names(g);
-    upload *u = allocate(g, s, shuffle_seed);
+    upload *u = allocate(g, s, options);
     if (!u)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory to upload it",
                          s->path);
-    strata_result result = upload_geometry(u, s, transparent, err);
+    strata_result result = upload_geometry(u, s, options->transparent, err);
     if (result == STRATA_OK)
-        result = upload_materials(u, s, transparent, err);
+        result = upload_materials(u, s, options->transparent, err);
     if (result == STRATA_OK)
         result = upload_lights(u, s, err);
     if (result == STRATA_OK)
@@ -138,7 +139,12 @@ upload_counts upload_count(const upload *u) {
                            .opaque_draws = u->lists[0].count,
                            .transparent_draws = u->lists[1].count,
                            .opaque_triangles = u->lists[0].triangles,
-                           .transparent_triangles = u->lists[1].triangles};
+                           .transparent_triangles = u->lists[1].triangles,
+                           .objects = u->wants_objects ? u->record_count : 0};
+}
+
+strata_buffer upload_indices(const upload *u) {
+    return u->indices;
 }
 
 uint64_t upload_bytes(const upload *u) {
@@ -153,7 +159,9 @@ void upload_free(upload *u) {
     if (u->scope)
         gpu_scope_end(u->scope);
     free(u->meshes);
+    free(u->clusters);
     free(u->record);
+    free(u->object);
     free(u->order);
     free(u);
 }

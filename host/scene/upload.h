@@ -18,17 +18,24 @@ typedef struct upload_counts {
     uint32_t lights, materials, records, textures;    /* strata_counts of the frame block */
     uint32_t opaque_draws, transparent_draws;         /* commands of each list */
     uint64_t opaque_triangles, transparent_triangles; /* visible; a splat counts as two */
+    uint32_t objects; /* what techniques may cull one by one; 0 unless that was asked for */
 } upload_counts;
 
+typedef struct upload_options {
+    const unsigned char *transparent; /* a byte for each material, 1 = drawn with
+                                         draws.transparent/1; NULL: none is */
+    uint32_t shuffle_seed; /* not 0: permutes the draws, and the triangles within each mesh, as
+                              submitted; StrataPrimitiveMap maps them back: images do not change */
+    uint32_t objects;      /* 1: meshes are cut into clusters, and each record is an object of
+                              objects/1, with its bounds: blocks StrataObjects, StrataObjectStates */
+} upload_options;
+
 /* Copies the scene, sets the globals and the STRATA_HAS_* defines: programs are to be created after
- * this, and again after another scene was uploaded. One upload lives at a time on a device.
- * transparent: a byte for each material, 1 = drawn with draws.transparent/1; NULL: none is.
- * shuffle_seed other than 0 permutes the draws, and the triangles within each mesh, as submitted;
- * StrataPrimitiveMap maps them back, so that images do not change. A stream that exceeds the
- * device's storage range is refused by name (OVERFLOW). The scene is not kept, but upload_update
- * wants the same one. */
-strata_result upload_create(gpu *g, const scene *s, const unsigned char *transparent,
-                            uint32_t shuffle_seed, upload **out, base_error *err);
+ * this, and again after another scene was uploaded. One upload lives at a time on a device. A
+ * stream that exceeds the device's storage range is refused by name (OVERFLOW). The scene is not
+ * kept, but upload_update wants the same one. */
+strata_result upload_create(gpu *g, const scene *s, const upload_options *options, upload **out,
+                            base_error *err);
 
 /* Follows the scene's edits: moved and hidden instances, deformed meshes, moved lights. Draw lists
  * whose number of commands changes get new handles. Outside recording. */
@@ -47,6 +54,7 @@ void upload_ambient(float ambient[9][4]);
  * in scene order. An empty list is a handle that draws nothing, made when first asked for. The zero
  * handle for other slots and when memory ran out. Valid until the next update. */
 strata_draws upload_draws(upload *u, const char *slot);
+strata_buffer upload_indices(const upload *u); /* that all draws take theirs from */
 
 upload_counts upload_count(const upload *u);
 uint64_t upload_bytes(const upload *u); /* device memory */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Records and commands: one record for each visible instance, in the order of submission;
- * neighbours in it that share a mesh share a command. What did not change is not written again.
+ * Records and commands: one record for each visible instance (for each of its clusters where
+ * objects are wanted), in the order of submission; neighbours in it that share a mesh share a
+ * command. What did not change is not written again.
  */
 #include "scene/upload_internal.h"
 
@@ -57,18 +58,33 @@ static strata_result write_changes(gpu *g, strata_buffer to, void *old, const vo
 
 static strata_result put_records(upload *u, const upload_record *records, uint32_t count,
                                  base_error *err) {
-    uint64_t size = (u->instance_count ? u->instance_count : 1) * sizeof *records;
+    uint64_t size = u->record_capacity * sizeof *records;
     uint64_t limit = gpu_fact(u->g, "limit.storage_range");
     strata_result result = STRATA_OK;
     if (!u->records.id && limit && size > limit)
         return base_fail(err, STRATA_ERROR_OVERFLOW, "%u instances exceed the device's limit of %u",
-                         u->instance_count, (uint32_t)(limit / sizeof *records));
+                         u->record_capacity, (uint32_t)(limit / sizeof *records));
     if (!u->records.id)
         result = upload_buffer(u, "StrataRecords", "records", NULL, size, &u->records, err);
     if (result == STRATA_OK)
         result = write_changes(u->g, u->records, u->record, records, count, sizeof *records,
                                u->record_count, err);
-    u->record_count = count;
+    return result;
+}
+
+static strata_result put_objects(upload *u, const upload_object *objects, uint32_t count,
+                                 base_error *err) {
+    strata_buffer states = {0};
+    strata_result result = STRATA_OK;
+    if (!u->objects.id)
+        result = upload_buffer(u, "StrataObjectStates", "object states", NULL,
+                               u->record_capacity * sizeof(uint32_t), &states, err);
+    if (result == STRATA_OK && !u->objects.id)
+        result = upload_buffer(u, "StrataObjects", "objects", NULL,
+                               u->record_capacity * sizeof *objects, &u->objects, err);
+    if (result == STRATA_OK)
+        result = write_changes(u->g, u->objects, u->object, objects, count, sizeof *objects,
+                               u->record_count, err);
     return result;
 }
 
@@ -127,55 +143,93 @@ static strata_result put_commands(upload *u, uint32_t which, const upload_comman
     return result;
 }
 
-/* One walk over the instances: records, and the commands of both lists. */
-static uint32_t collect(const upload *u, const scene *s, upload_record *records,
-                        upload_command *commands[2], uint32_t counts[2]) {
-    uint32_t count = 0, last_mesh = SCENE_NONE;
+/* What a walk over the instances makes. */
+typedef struct walk {
+    upload_record *records;
+    upload_object *objects; /* NULL: not wanted */
+    upload_command *commands[2];
+    uint32_t record_count, command_count[2];
+} walk;
+
+/* A record, and an object where they are wanted, for each cluster of an instance. */
+static void walk_instance(const upload *u, const scene *s, const scene_instance *instance, walk *w,
+                          int again) {
+    const scene_mesh *mesh = &s->meshes[instance->mesh];
+    const upload_mesh *layout = &u->meshes[instance->mesh];
+    upload_record record = make_record(instance, mesh, layout);
+    for (uint32_t i = 0; i < layout->cluster_count; i++) {
+        const upload_cluster *cluster = &u->clusters[layout->first_cluster + i];
+        w->records[w->record_count] = record;
+        if (i > 0) /* clusters of several have a map */
+            w->records[w->record_count].primitive_map +=
+                (cluster->first_index - layout->first_index) / 3;
+        if (w->objects) {
+            upload_object *object = &w->objects[w->record_count];
+            *object = upload_make_object(u, mesh, layout, i);
+            if (again && layout->cluster_count == 1)
+                object->flags |= UPLOAD_OBJECT_NEXT;
+        }
+        w->record_count++;
+    }
+}
+
+static void walk_instances(const upload *u, const scene *s, walk *w) {
+    uint32_t last_mesh = SCENE_NONE;
     for (uint32_t i = 0; i < u->instance_count; i++) {
         const scene_instance *instance = &s->instances[u->order[i]];
         const upload_mesh *mesh = &u->meshes[instance->mesh];
         if (!instance->visible || !mesh->used)
             continue;
+        const int again = instance->mesh == last_mesh;
         uint32_t list = mesh->transparent;
-        records[count] = make_record(instance, &s->meshes[instance->mesh], mesh);
-        if (instance->mesh == last_mesh)
-            commands[list][counts[list] - 1].instance_count++;
+        if (again && mesh->cluster_count == 1)
+            w->commands[list][w->command_count[list] - 1].instance_count++;
         else
-            commands[list][counts[list]++] = (upload_command){.index_count = mesh->index_count,
-                                                              .instance_count = 1,
-                                                              .first_index = mesh->first_index,
-                                                              .first_instance = count};
+            w->commands[list][w->command_count[list]++] =
+                (upload_command){.index_count = mesh->index_count,
+                                 .instance_count = 1,
+                                 .first_index = mesh->first_index,
+                                 .first_instance = w->record_count};
+        walk_instance(u, s, instance, w, again);
         last_mesh = instance->mesh;
-        count++;
     }
-    return count;
+}
+
+static strata_result put_walk(upload *u, const walk *w, base_error *err) {
+    strata_result result = put_records(u, w->records, w->record_count, err);
+    if (result == STRATA_OK && w->objects)
+        result = put_objects(u, w->objects, w->record_count, err);
+    u->record_count = w->record_count;
+    for (uint32_t list = 0; list < 2 && result == STRATA_OK; list++)
+        result = put_commands(u, list, w->commands[list], w->command_count[list], err);
+    return result;
 }
 
 strata_result upload_records(upload *u, const scene *s, base_error *err) {
-    size_t most = u->instance_count ? u->instance_count : 1;
-    upload_record *records = base_calloc(most, sizeof *records);
-    upload_command *commands[2] = {base_calloc(most, sizeof **commands),
-                                   base_calloc(most, sizeof **commands)};
-    uint32_t counts[2] = {0, 0};
+    size_t instances = u->instance_count ? u->instance_count : 1;
+    walk w = {.records = base_calloc(u->record_capacity, sizeof *w.records),
+              .commands = {base_calloc(instances, sizeof **w.commands),
+                           base_calloc(instances, sizeof **w.commands)}};
     strata_result result = STRATA_OK;
-    if (records && commands[0] && commands[1]) {
-        uint32_t count = collect(u, s, records, commands, counts);
-        result = put_records(u, records, count, err);
+    if (u->wants_objects)
+        w.objects = base_calloc(u->record_capacity, sizeof *w.objects);
+    if (w.records && w.commands[0] && w.commands[1] && (w.objects || !u->wants_objects)) {
+        walk_instances(u, s, &w);
+        result = put_walk(u, &w, err);
     } else {
         result =
             base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory for its draws", s->path);
     }
-    for (uint32_t list = 0; list < 2 && result == STRATA_OK; list++)
-        result = put_commands(u, list, commands[list], counts[list], err);
-    free(records);
-    free(commands[0]);
-    free(commands[1]);
+    free(w.records);
+    free(w.objects);
+    free(w.commands[0]);
+    free(w.commands[1]);
     return result;
 }
 
 strata_draws upload_draws(upload *u, const char *slot) {
-    uint32_t which = strcmp(slot, "draws.transparent/1") == 0;
-    if (!which && strcmp(slot, "draws.opaque/1") != 0)
+    uint32_t which = strncmp(slot, "draws.transparent", 17) == 0;
+    if (!which && strncmp(slot, "draws.opaque", 12) != 0)
         return (strata_draws){0};
     upload_list *list = &u->lists[which];
     if (!list->draws.id && make_list(u, list, which ? "transparent draws" : "opaque draws", NULL, 0,

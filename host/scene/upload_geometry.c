@@ -124,9 +124,12 @@ static strata_result lay_out_indices(upload *u, const scene *s, uint64_t *indice
                              mesh->name);
         layout->first_index = (uint32_t)*indices;
         layout->index_count = (uint32_t)count;
-        layout->primitive_map = u->shuffle_seed ? (uint32_t)*primitives : SCENE_NONE;
+        layout->primitive_map = SCENE_NONE;
         *indices += count;
-        *primitives += points ? mesh->index_count : mesh->index_count / 3;
+        if (u->shuffle_seed || layout->cluster_count > 1) {
+            layout->primitive_map = (uint32_t)*primitives;
+            *primitives += points ? mesh->index_count : mesh->index_count / 3;
+        }
     }
     return STRATA_OK;
 }
@@ -176,17 +179,24 @@ static void write_point(uint32_t *out, uint32_t vertex) {
         out[i] = vertex * 4 + corners[i];
 }
 
-/* Indices of one mesh; with a seed in another order, which map[] undoes. */
-static int fill_mesh_indices(const upload *u, const scene_mesh *mesh, const upload_mesh *layout,
-                             uint32_t number, uint32_t *indices, uint32_t *map) {
+/* Indices of one mesh; with a seed, or in clusters, in another order, which map[] undoes. */
+static strata_result fill_mesh_indices(const upload *u, const scene_mesh *mesh,
+                                       const upload_mesh *layout, uint32_t number,
+                                       uint32_t *indices, uint32_t *map, base_error *err) {
     uint32_t *out = indices + layout->first_index;
     int points = mesh->topology == SCENE_POINTS;
     uint32_t count = points ? mesh->index_count : mesh->index_count / 3;
     uint32_t *order = NULL;
-    if (u->shuffle_seed) {
-        order = upload_permutation(count, ((uint64_t)u->shuffle_seed << 32) + number + 1);
-        if (!order)
-            return 0;
+    if (layout->primitive_map != SCENE_NONE) {
+        uint64_t seed = u->shuffle_seed ? ((uint64_t)u->shuffle_seed << 32) + number + 1 : 0;
+        order = upload_permutation(count, seed);
+        strata_result r =
+            order ? upload_cluster_order(mesh, layout, order, err)
+                  : base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "no memory for an order");
+        if (r != STRATA_OK) {
+            free(order);
+            return r;
+        }
         memcpy(map + layout->primitive_map, order, count * sizeof *map);
     }
     for (uint32_t i = 0; i < count; i++) {
@@ -197,7 +207,7 @@ static int fill_mesh_indices(const upload *u, const scene_mesh *mesh, const uplo
             memcpy(out + (size_t)i * 3, mesh->indices + (size_t)from * 3, 3 * sizeof *out);
     }
     free(order);
-    return 1;
+    return STRATA_OK;
 }
 
 static strata_result fill_indices(upload *u, const scene *s, base_error *err) {
@@ -205,20 +215,21 @@ static strata_result fill_indices(upload *u, const scene *s, base_error *err) {
     strata_result result = lay_out_indices(u, s, &count, &primitives, err);
     if (result != STRATA_OK)
         return result;
-    if (!u->shuffle_seed)
-        primitives = 0;
     if (limit && primitives * sizeof(uint32_t) > limit)
         return fail_size(s, "shuffled primitives", primitives * sizeof(uint32_t), limit, err);
     /* A scene without any has one index, so that its empty lists can be drawn. */
     uint32_t *indices = base_calloc(count ? (size_t)count : 1, sizeof *indices);
     uint32_t *map = base_calloc(primitives ? (size_t)primitives : 1, sizeof *map);
-    int fine = indices && map;
-    for (uint32_t i = 0; i < s->mesh_count && fine; i++)
-        if (u->meshes[i].used)
-            fine = fill_mesh_indices(u, &s->meshes[i], &u->meshes[i], i, indices, map);
-    if (!fine)
+    if (!indices || !map)
         result = base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory for its indices",
                            s->path);
+    for (uint32_t i = 0; i < s->mesh_count && result == STRATA_OK; i++) {
+        if (!u->meshes[i].used)
+            continue;
+        result = fill_mesh_indices(u, &s->meshes[i], &u->meshes[i], i, indices, map, err);
+        if (result == STRATA_OK)
+            upload_cluster_bounds(u, &s->meshes[i], &u->meshes[i], indices);
+    }
     if (result == STRATA_OK)
         result = upload_buffer(u, NULL, "indices", indices, (count ? count : 1) * sizeof *indices,
                                &u->indices, err);
@@ -274,7 +285,9 @@ strata_result upload_geometry(upload *u, const scene *s, const unsigned char *tr
             u->meshes[i].flags &= ~UPLOAD_BLEND;
     }
     uint64_t counts[UPLOAD_STREAMS];
-    strata_result result = lay_out_streams(u, s, counts, err);
+    strata_result result = upload_clusters(u, s, err);
+    if (result == STRATA_OK)
+        result = lay_out_streams(u, s, counts, err);
     for (int stream = 0; stream < UPLOAD_STREAMS && result == STRATA_OK; stream++)
         result = fill_stream(u, s, (upload_stream)stream, counts[stream], err);
     if (result == STRATA_OK)

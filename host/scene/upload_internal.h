@@ -73,7 +73,26 @@ typedef struct upload_command { /* VkDrawIndexedIndirectCommand */
 } upload_command;
 _Static_assert(sizeof(upload_command) == 20, "tightly packed");
 
+#define UPLOAD_OBJECT_TRANSPARENT 1u /* in draws.transparent/1 */
+#define UPLOAD_OBJECT_UNBOUNDED   2u /* its bounds are not known: splats */
+#define UPLOAD_OBJECT_NEXT        4u /* the next instance of what the object before it draws */
+#define UPLOAD_OBJECT_CONTINUES   8u /* its indices follow those of the object before it */
+
+typedef struct upload_object {
+    float lower[3];
+    uint32_t flags;
+    float upper[3];
+    uint32_t first_index, index_count, reserved[3];
+} upload_object;
+_Static_assert(sizeof(upload_object) == 48, "StrataObject");
+
 /* ---- state ----------------------------------------------------------------------------------- */
+
+/* A run of a mesh's triangles as submitted: what is one object where objects are asked for. */
+typedef struct upload_cluster {
+    uint32_t first_index, index_count; /* in the indices of all meshes */
+    float lower[3], upper[3];          /* object space */
+} upload_cluster;
 
 typedef struct upload_mesh {
     uint32_t used;                     /* an instance of it exists and it has indices */
@@ -81,6 +100,7 @@ typedef struct upload_mesh {
     uint32_t flags;                    /* of its records, without MIRRORED */
     uint32_t first_index, index_count; /* as submitted: six for each point */
     uint32_t primitive_map;
+    uint32_t first_cluster, cluster_count; /* at least one when used */
     uint32_t first[UPLOAD_STREAMS];
 } upload_mesh;
 
@@ -100,9 +120,14 @@ struct upload {
     upload_mesh *meshes; /* one for each of the scene's */
     uint32_t mesh_count, instance_count;
     strata_buffer streams[UPLOAD_STREAMS], indices, records, lights;
-    uint32_t *order;       /* instances in the order of submission */
-    upload_record *record; /* host copy, instance_count of them */
-    uint32_t record_count;
+    uint32_t *order; /* instances in the order of submission */
+    uint32_t wants_objects;
+    upload_cluster *clusters; /* of all meshes */
+    uint32_t cluster_count;
+    upload_record *record; /* host copies, one for each cluster of each visible instance */
+    upload_object *object; /* NULL unless wanted */
+    uint32_t record_count, record_capacity;
+    strata_buffer objects;
     upload_list lists[2]; /* opaque, transparent */
     uint32_t material_count, texture_count, light_count;
     uint32_t key_light; /* 1: the one light is ours */
@@ -114,6 +139,17 @@ struct upload {
 strata_result upload_geometry(upload *u, const scene *s, const unsigned char *transparent,
                               base_error *err);
 strata_result upload_deformed(upload *u, const scene *s, base_error *err);
+
+/* upload_objects.c: cuts meshes into clusters, once layouts know which are used: their number, then
+ * in which order the triangles of a mesh are submitted (order[i]: number in the mesh, permuted
+ * already or 0, 1, ..), then their bounds. */
+strata_result upload_clusters(upload *u, const scene *s, base_error *err);
+strata_result upload_cluster_order(const scene_mesh *mesh, const upload_mesh *layout,
+                                   uint32_t *order, base_error *err);
+void upload_cluster_bounds(upload *u, const scene_mesh *mesh, const upload_mesh *layout,
+                           const uint32_t *indices);
+upload_object upload_make_object(const upload *u, const scene_mesh *mesh, const upload_mesh *layout,
+                                 uint32_t cluster);
 
 /* upload_draws.c: records and commands, made or brought up to date. */
 strata_result upload_records(upload *u, const scene *s, base_error *err);

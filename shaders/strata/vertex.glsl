@@ -5,9 +5,8 @@
 // written order: a fragment's depth has the same bits in every pass.
 #include "strata/frame.glsl"
 #include "strata/math.glsl"
-#include "strata/scene.glsl"
+#include "strata/transform.glsl"
 
-layout(std430) readonly buffer StrataRecords { StrataRecord strata_records[]; };
 layout(std430) readonly buffer StrataPositions { float strata_positions[]; };
 
 layout(location = 0) flat out uvec4 strata_out_ids; // material, primitive base and map, flags
@@ -61,18 +60,8 @@ const float STRATA_SPLAT_PIXELS = 1.5; // radius of a splat that has none of its
 
 vec3 strata_world_position(StrataRecord record, uint vertex) {
     uint at = (record.position + vertex) * 3u;
-    float x = strata_positions[at], y = strata_positions[at + 1u], z = strata_positions[at + 2u];
-    precise vec3 world;
-    for (int i = 0; i < 3; ++i)
-        world[i] = record.world[i].x * x + record.world[i].y * y + record.world[i].z * z +
-                   record.world[i].w;
-    return world;
-}
-
-vec4 strata_project(vec3 world) {
-    precise vec4 clip = strata_world_to_clip[0] * world.x + strata_world_to_clip[1] * world.y +
-                        strata_world_to_clip[2] * world.z + strata_world_to_clip[3];
-    return clip;
+    return strata_to_world(record, vec3(strata_positions[at], strata_positions[at + 1u],
+                                        strata_positions[at + 2u]));
 }
 
 #ifdef STRATA_HAS_LIT

@@ -142,7 +142,8 @@ static int make_upload(drawing *d, const scene *s, uint32_t seed, base_error *er
         return 0;
     for (uint32_t i = 0; i < s->material_count; i++)
         transparent[i] = s->materials[i].alpha == SCENE_BLEND || s->materials[i].transmission > 0;
-    strata_result result = upload_create(d->g, s, transparent, seed, &d->u, err);
+    const upload_options options = {.transparent = transparent, .shuffle_seed = seed};
+    strata_result result = upload_create(d->g, s, &options, &d->u, err);
     free(transparent);
     return result == STRATA_OK;
 }

@@ -340,7 +340,7 @@ static void a_stream_beyond_the_limit_is_refused(void **state) {
     assert_non_null(mesh->positions);
     base_error err = {0};
     upload *u = NULL;
-    assert_int_equal(upload_create(g, t.s, NULL, 0, &u, &err), STRATA_ERROR_OVERFLOW);
+    assert_int_equal(upload_create(g, t.s, &(upload_options){0}, &u, &err), STRATA_ERROR_OVERFLOW);
     assert_null(u);
     assert_non_null(strstr(err.text, "positions"));
     assert_int_equal(gpu_bytes(g, "scene"), 0);
