@@ -6,6 +6,7 @@
  *   expand | append         an element (rank, key) for each fragment
  *   digits, count, scatter  radix sort, 8 bits a pass; mend: short runs of equal keys, by order
  *   fold -> join ..         each pixel's fold as a tree of fixed shape
+ *   filter                  weighted sums of sub-pixels, where it fills image/1
  *
  * Work items are elements, streams of elements and chunks of fragments, never pixels: the time
  * depends on the number of fragments and not on where they lie. How many passes a scene needs is
@@ -14,6 +15,7 @@
 #include "fpc_glsl.h"
 #include "shared/classes.h"
 #include "shared/create.h"
+#include "shared/filtering.h"
 #include "shared/slots.h"
 
 #include <stddef.h>
@@ -45,7 +47,8 @@ typedef struct fpc {
         count_program[2][2], sums_program, blocks_program, offsets_program, scatter_program[2][2],
         mend_program, fold_program, join_program; /* [side][by_order] */
     classes classes;                              /* hybrid: pixels of at most 64 fragments */
-    uint32_t hybrid;
+    filtering filtering;
+    uint32_t hybrid, filters; /* filters: it fills image/1 */
     float threshold;
     uint32_t by_order;       /* 1: some frame had long runs of equal keys */
     uint32_t passes, levels; /* of the sort and of joining that are recorded */
@@ -185,6 +188,7 @@ static strata_result prepare(void *state, const strata_view *view) {
     f->color = view->image(view->self, "color/1");
     f->threshold = (float)view->settings->values[KNOB_THRESHOLD];
     f->hybrid = view->settings->values[KNOB_MODE] == MODE_HYBRID;
+    f->filters = view->image(view->self, "image/1").id != 0;
     if (!f->fragments)
         return STRATA_ERROR_INVALID_STATE;
     strata_result r = create_buffer(f->gpu, "table", sizeof(table), &f->table);
@@ -198,6 +202,8 @@ static strata_result prepare(void *state, const strata_view *view) {
     f->classes.threshold = f->threshold;
     if (r == STRATA_OK && f->hybrid)
         r = classes_prepare(&f->classes, f->gpu, view, 0, f->threshold > 0);
+    if (r == STRATA_OK && f->filters)
+        r = filtering_prepare(&f->filtering, f->gpu, view);
     return r;
 }
 
@@ -325,6 +331,8 @@ static void record(void *state, const strata_frame *frame) {
     }
     record_sort(f, frame);
     record_fold(f, frame);
+    if (f->filters && frame->band + 1 == frame->band_count)
+        filtering_record(&f->filtering, frame);
 }
 
 /* ---- verify: what the next attempt has to record --------------------------------------------- */
@@ -402,7 +410,8 @@ static strata_result estimate(const strata_scene_stats *stats, const strata_sett
     return STRATA_OK;
 }
 
-static const strata_slot_use *const slots[] = {&slots_fragments, &slots_color, &slots_bound};
+static const strata_slot_use *const slots[] = {&slots_fragments, &slots_color, &slots_bound,
+                                               &slots_image, &slots_image_bound};
 
 static const char *const mode_choices[] = {"fragments", "hybrid", NULL};
 static const strata_knob mode = {
@@ -440,7 +449,7 @@ static const strata_technique technique = {
     .reference = "Patney, Tzeng, Owens 2010",
     .stage = "resolve",
     .slots = slots,
-    .slot_count = 3,
+    .slot_count = 5,
     .knobs = knobs,
     .knob_count = 2,
     .promises = &promises,

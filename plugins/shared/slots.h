@@ -24,5 +24,10 @@ static const strata_slot_use slots_bound = {.struct_size = sizeof(strata_slot_us
                                             .use = STRATA_SLOT_UPDATES,
                                             .slot = "bound/1",
                                             .optional = 1};
+/* Of whoever turns sub-pixels into pixels (shared/filtering.h). */
+static const strata_slot_use slots_image = {
+    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_PRODUCES, .slot = "image/1"};
+static const strata_slot_use slots_image_bound = {
+    .struct_size = sizeof(strata_slot_use), .use = STRATA_SLOT_PRODUCES, .slot = "image.bound/1"};
 
 #endif

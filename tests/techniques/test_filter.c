@@ -19,6 +19,8 @@
 
 #include <cmocka.h>
 
+#include "render/render.h"
+
 static const char *const backends[] = {"vulkan", "gl"};
 static const char *const filters[] = {"box", "tent", "gaussian"};
 
@@ -359,6 +361,77 @@ static void bounds_are_filtered(void **state) {
     }
 }
 
+/* ---- folds that filter ----------------------------------------------------------------------- */
+
+/* Who ran the pass that filled image/1. */
+static const char *filtered_by(const strata *instance) {
+    const char *who = "nobody";
+    for (uint32_t i = 0; i < instance->result.pass_count; ++i)
+        if (strcmp(instance->result.passes[i].label, "filter") == 0)
+            who = instance->result.passes[i].owner;
+    return who;
+}
+
+/* Picture and bound, fused and by the module, bit for bit. */
+static void check_fused(strata *instance, strata_scene *sc, const char *setting, const char *filter,
+                        uint32_t bands) {
+    enum { WIDTH = 19, HEIGHT = 13, SIDE = 3 };
+    strata_render_options o = options_of(WIDTH, HEIGHT, SIDE * SIDE, filter);
+    picture p[2], bound[2];
+    o.settings = &setting;
+    o.setting_count = 1;
+    o.bands = bands;
+    for (int i = 0; i < 2; ++i) {
+        o.use = i ? "abuffer,fpc,filter" : "abuffer,fpc";
+        bound[i] = render_output(instance, sc, o, STRATA_OUTPUT_BOUND);
+        p[i] = read_output(instance, STRATA_OUTPUT_COLOR, WIDTH, HEIGHT);
+        assert_string_equal(filtered_by(instance), i ? "filter" : "fpc");
+    }
+    picture_same(&p[1], &p[0], "fused");
+    picture_same(&bound[1], &bound[0], "fused, its bound");
+    for (size_t i = 0; i < (size_t)WIDTH * HEIGHT * 4; ++i)
+        assert_true(isfinite(bound[0].pixels[i]));
+    for (int i = 0; i < 2; ++i) {
+        picture_free(&p[i]);
+        picture_free(&bound[i]);
+    }
+}
+
+/* fpc fills image/1 itself, unless --use names the module; opaque pixels and empty ones as well. */
+static void a_fused_filter_gives_the_same_bits(void **state) {
+    static const char *const scenes[] = {"scene:city?count=100", "scene:soup?small=500&medium=40",
+                                         "scene:layers?count=70"};
+    static const char *const settings[] = {"fpc.mode=fragments", "fpc.mode=hybrid",
+                                           "abuffer.mode=linked"};
+    (void)state;
+    for (size_t i = 0; i < 2 * 3; ++i) {
+        strata *instance = picture_instance(backends[i / 3]);
+        if (!instance)
+            continue;
+        strata_scene *sc = picture_scene(instance, scenes[i % 3]);
+        for (size_t k = 0; k < 3; ++k) {
+            check_fused(instance, sc, settings[k], filters[k], 1);
+            check_fused(instance, sc, settings[k], filters[(k + 1) % 3], 5);
+        }
+        strata_scene_close(sc);
+    }
+}
+
+/* A scene without a transparent surface has no fold that could filter. */
+static void an_opaque_scene_is_filtered_by_the_module(void **state) {
+    strata *instance = picture_instance(backends[0]);
+    (void)state;
+    if (!instance)
+        skip();
+    strata_scene *sc = picture_scene(instance, "scene:city?count=20&glass=0");
+    strata_render_options o = options_of(8, 8, 4, "box");
+    o.use = "abuffer,fpc";
+    picture p = render_output(instance, sc, o, STRATA_OUTPUT_COLOR);
+    assert_string_equal(filtered_by(instance), "filter");
+    picture_free(&p);
+    strata_scene_close(sc);
+}
+
 /* ---- the session and its options ------------------------------------------------------------- */
 
 /* One instance, one scene: the grid and the weights are followed from render to render. */
@@ -423,6 +496,8 @@ int main(void) {
         cmocka_unit_test(splats_keep_their_size),
         cmocka_unit_test(depth_is_the_nearest),
         cmocka_unit_test(bounds_are_filtered),
+        cmocka_unit_test(a_fused_filter_gives_the_same_bits),
+        cmocka_unit_test(an_opaque_scene_is_filtered_by_the_module),
         cmocka_unit_test(the_session_follows),
         cmocka_unit_test(senseless_options_are_refused),
     };

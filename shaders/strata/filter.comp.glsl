@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// filter: a pixel as the weighted mean of the sub-pixels around its centre, one invocation a pixel.
+// A pixel as the weighted mean of the sub-pixels around its centre, one invocation a pixel; run by
+// plugins/shared/filtering.c.
 // The sum runs row by row from the lowest, whatever the device; weights beyond the image do not count.
 // With FILTER_BOUND the sub-pixels are bounds, and the rounding of the colours' mean joins them.
 #include "strata/frame.glsl"
