@@ -23,6 +23,11 @@ typedef struct strata_scene_stats {
     double covered_pixels;         /* estimate: pixels with at least one transparent fragment */
     double mean_depth;             /* transparent_fragments / covered_pixels, 0 when none */
     double largest_depth;          /* estimate: most fragments in one pixel */
+    uint64_t opaque_objects;       /* that can be culled one by one: instances, and clusters of large meshes */
+    double hidden_triangles;       /* estimate: opaque ones of objects that others hide; 0 for few objects */
+    double outside_triangles;      /* estimate: opaque ones of objects outside of the view; likewise */
+    double opaque_overdraw;        /* estimate: fragments that opaque triangles, drawn in no order, shade
+                                      beyond the first of a pixel; likewise */
 } strata_scene_stats;
 
 #ifdef __cplusplus

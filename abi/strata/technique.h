@@ -61,7 +61,7 @@ typedef struct strata_promises {
  * frame + per_pixel * covered pixels + per_fragment * fragments + per_triangle * triangles, and for
  * techniques that draw once for each layer of the deepest pixel
  * largest depth * (per_depth + per_depth_pixel * covered pixels + per_depth_fragment * fragments +
- * per_depth_triangle * triangles). */
+ * per_depth_triangle * triangles); and per_object * opaque objects for those that name objects/1. */
 typedef struct strata_cost_model {
     uint32_t struct_size;
     uint32_t reserved;
@@ -74,6 +74,7 @@ typedef struct strata_cost_model {
     double per_depth_pixel;
     double per_depth_fragment;
     double per_depth_triangle;
+    double per_object;
 } strata_cost_model;
 
 /* estimate(): memory with these settings. */

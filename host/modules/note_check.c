@@ -165,7 +165,8 @@ static strata_result check_promises(const char *owner, const strata_promises *pr
                              cost->per_depth,
                              cost->per_depth_pixel,
                              cost->per_depth_fragment,
-                             cost->per_depth_triangle};
+                             cost->per_depth_triangle,
+                             cost->per_object};
     for (size_t i = 0; i < BASE_COUNT(values); i++)
         if (!isfinite(values[i]) || values[i] < 0.0)
             return base_fail(err, STRATA_ERROR_MODULE, "%s: a cost is negative or not finite",

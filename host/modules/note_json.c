@@ -117,6 +117,7 @@ static json_t *json_cost(json_writer *w, const strata_cost_model *cost) {
     json_put_real(w, object, "per_depth_pixel", cost->per_depth_pixel);
     json_put_real(w, object, "per_depth_fragment", cost->per_depth_fragment);
     json_put_real(w, object, "per_depth_triangle", cost->per_depth_triangle);
+    json_put_real(w, object, "per_object", cost->per_object);
     return object;
 }
 

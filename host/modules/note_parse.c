@@ -204,6 +204,7 @@ static const strata_cost_model *read_cost(json_reader *r, const json_t *object) 
         .per_depth_pixel = read_real(r, from, "per_depth_pixel"),
         .per_depth_fragment = read_real(r, from, "per_depth_fragment"),
         .per_depth_triangle = read_real(r, from, "per_depth_triangle"),
+        .per_object = read_real(r, from, "per_object"),
     };
     return cost;
 }

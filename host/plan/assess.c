@@ -94,11 +94,12 @@ static double cost_of(const plan_candidate *c, const strata_scene_stats *stats) 
         return PLAN_NO_COST;
     if (plan_slot(c->note, "draws.opaque/1", 0))
         triangles += (double)stats->opaque_triangles;
+    double objects = plan_slot(c->note, "objects/1", 0) ? (double)stats->opaque_objects : 0.0;
     if (plan_slot(c->note, "draws.transparent/1", 0))
         triangles += (double)stats->transparent_triangles;
     double cost = m->frame + m->per_pixel * pixels + m->per_fragment * fragments +
                   m->per_fragment_log2_depth * fragments * log2(1.0 + stats->mean_depth) +
-                  m->per_triangle * triangles +
+                  m->per_triangle * triangles + m->per_object * objects +
                   stats->largest_depth *
                       (m->per_depth + m->per_depth_pixel * pixels +
                        m->per_depth_fragment * fragments + m->per_depth_triangle * triangles);

@@ -111,7 +111,7 @@ static strata_result choose_filter(plan_work *w) {
 }
 
 /* ---- optional techniques: only if named, and only if someone uses what they make --------------
- * A clip technique may have been chosen, or left out, before (clip.c). */
+ * One that clips or culls may have been chosen, or left out, before (clip.c, cull.c). */
 
 static int optional(const plan_candidate *c) {
     return c->role == PLAN_DRAWS || c->role == PLAN_CLIP || c->role == PLAN_CERTIFICATE;
@@ -236,6 +236,8 @@ strata_result plan_choose(plan_work *w) {
         result = choose_filter(w);
     if (result == STRATA_OK)
         result = plan_choose_clip(w);
+    if (result == STRATA_OK)
+        plan_choose_cull(w);
     if (result == STRATA_OK)
         result = choose_optional(w);
     if (result == STRATA_OK)

@@ -423,6 +423,8 @@ strata_result estimate_stats(const scene *s, const estimate_view *view,
     if (view->width == 0 || view->height == 0)
         return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "the image has no pixels");
     strata_result result = count_scene(s, transparent, out, &primitives, err);
+    if (result == STRATA_OK)
+        result = estimate_hidden(s, view, transparent, out, err);
     if (result != STRATA_OK || primitives == 0)
         return result;
     grid *g = grid_create(view);

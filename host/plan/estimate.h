@@ -26,4 +26,11 @@ strata_result estimate_stats(const scene *s, const estimate_view *view,
                              const unsigned char *transparent, strata_scene_stats *out,
                              base_error *err);
 
+/* Opaque objects, and how much of them nobody sees: hidden_triangles, outside_triangles and
+ * opaque_overdraw. A few thousand samples; 0 for scenes of few objects. Called by estimate_stats.
+ */
+strata_result estimate_hidden(const scene *s, const estimate_view *view,
+                              const unsigned char *transparent, strata_scene_stats *stats,
+                              base_error *err);
+
 #endif

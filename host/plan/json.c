@@ -110,12 +110,16 @@ static json_t *fragments_json(const plan *p) {
 
 static json_t *estimate_json(const strata_scene_stats *s) {
     return json_pack(
-        "{so so so so so so so so so}", "instances", number(s->instances), "opaque_draws",
-        number((double)s->opaque_draws), "transparent_draws", number((double)s->transparent_draws),
-        "opaque_triangles", number((double)s->opaque_triangles), "transparent_triangles",
+        "{so so so so so so so so so so so so so}", "instances", number(s->instances),
+        "opaque_draws", number((double)s->opaque_draws), "transparent_draws",
+        number((double)s->transparent_draws), "opaque_triangles",
+        number((double)s->opaque_triangles), "transparent_triangles",
         number((double)s->transparent_triangles), "transparent_fragments",
         number(round(s->transparent_fragments)), "covered_pixels", number(round(s->covered_pixels)),
-        "mean_depth", number(s->mean_depth), "largest_depth", number(s->largest_depth));
+        "mean_depth", number(s->mean_depth), "largest_depth", number(s->largest_depth),
+        "opaque_objects", number((double)s->opaque_objects), "hidden_triangles",
+        number(round(s->hidden_triangles)), "outside_triangles",
+        number(round(s->outside_triangles)), "opaque_overdraw", number(round(s->opaque_overdraw)));
 }
 
 json_t *plan_json(const plan *p) {
@@ -200,12 +204,13 @@ static json_t *promises_json(const strata_promises *p) {
 static json_t *cost_json(const strata_cost_model *c) {
     if (!c)
         return json_null();
-    return json_pack(
-        "{so so so so so so so so so}", "frame", number(c->frame), "per_pixel",
-        number(c->per_pixel), "per_fragment", number(c->per_fragment), "per_fragment_log2_depth",
-        number(c->per_fragment_log2_depth), "per_triangle", number(c->per_triangle), "per_depth",
-        number(c->per_depth), "per_depth_pixel", number(c->per_depth_pixel), "per_depth_fragment",
-        number(c->per_depth_fragment), "per_depth_triangle", number(c->per_depth_triangle));
+    return json_pack("{so so so so so so so so so so}", "frame", number(c->frame), "per_pixel",
+                     number(c->per_pixel), "per_fragment", number(c->per_fragment),
+                     "per_fragment_log2_depth", number(c->per_fragment_log2_depth), "per_triangle",
+                     number(c->per_triangle), "per_depth", number(c->per_depth), "per_depth_pixel",
+                     number(c->per_depth_pixel), "per_depth_fragment",
+                     number(c->per_depth_fragment), "per_depth_triangle",
+                     number(c->per_depth_triangle), "per_object", number(c->per_object));
 }
 
 static json_t *technique_json(const modules_technique_note *t) {

@@ -6,6 +6,7 @@
  *     effects.c   which effects are active        order.c     slots -> order
  *     assess.c    what each technique could do    choose.c    which of them run
  *     fold.c      the one that folds           clip.c      what limits it
+ *     cull.c      what hides opaque objects
  *     payload.c   layout of a record              json.c      the plan as JSON
  *     tolerance.c knobs that trade accuracy
  */
@@ -81,7 +82,7 @@ int plan_knob(const modules_technique_note *note, const char *name); /* index or
 
 /* ---- tolerance.c */
 double plan_tolerance(const plan_input *in); /* 0: exact techniques alone */
-strata_result plan_trade(plan_work *w);      /* knobs that trade accuracy, where the user set none */
+strata_result plan_trade(plan_work *w); /* knobs that trade accuracy, where the user set none */
 strata_result plan_explain_trades(plan_work *w);
 /* Whether it says how wrong its image may be; what captures leaves that to what folds. */
 int plan_certifies(const plan_candidate *c);
@@ -103,6 +104,9 @@ strata_result plan_choose_fold(plan_work *w);
 
 /* ---- clip.c */
 strata_result plan_choose_clip(plan_work *w); /* after the fold, before other optional ones */
+
+/* ---- cull.c */
+void plan_choose_cull(plan_work *w); /* after the surface, before other optional ones */
 
 /* ---- order.c */
 /* order: indices of the chosen candidates as they run. INVALID_ARGUMENT names a cycle. */

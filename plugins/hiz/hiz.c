@@ -313,10 +313,9 @@ static const strata_promises promises = {
     .memory = "28 objects + 4/3 pixels, 48 objects where some are transparent; and the host's 148 "
               "an object"};
 
-static const strata_cost_model cost = {.struct_size = sizeof(strata_cost_model),
-                                       .frame = 20000,
-                                       .per_pixel = 0.1,
-                                       .per_triangle = 0.1};
+/* Per pixel: a pyramid; per object: two culls. */
+static const strata_cost_model cost = {
+    .struct_size = sizeof(strata_cost_model), .frame = 50000, .per_pixel = 0.7, .per_object = 20};
 
 static const strata_technique technique = {
     .struct_size = sizeof(strata_technique),

@@ -153,7 +153,7 @@ static const strata_promises promises = {.struct_size = sizeof(strata_promises),
                                          .memory = "ties=any: none; ties=exact: 4 pixels"};
 
 static const strata_cost_model cost = {
-    .struct_size = sizeof(strata_cost_model), .frame = 2000, .per_triangle = 4};
+    .struct_size = sizeof(strata_cost_model), .frame = 2000, .per_fragment = 8, .per_triangle = 30};
 
 static const strata_technique technique = {
     .struct_size = sizeof(strata_technique),

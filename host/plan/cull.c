@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Whether objects are culled before the surface draws them. Unnamed, a technique that does so runs
+ * only where the estimate says that it saves clearly more than it costs.
+ */
+#include "plan/plan_internal.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* Savings are estimates of estimates: they must exceed the cost by this factor. */
+#define MARGIN 1.25
+
+/* What it costs to draw this share of the opaque triangles, and to shade what others overdraw. */
+static double drawing_cost(const plan_work *w, double share) {
+    const strata_scene_stats *stats = w->in->stats;
+    double cost = 0.0;
+    for (uint32_t i = 0; i < w->count; i++) {
+        const plan_candidate *c = &w->candidates[i];
+        if (c->chosen && c->note->cost &&
+            plan_slot(c->note, "draws.opaque/1", STRATA_SLOT_CONSUMES))
+            cost += share * (c->note->cost->per_triangle * (double)stats->opaque_triangles +
+                             c->note->cost->per_fragment * stats->opaque_overdraw);
+    }
+    return cost;
+}
+
+static void weigh(const plan_work *w, plan_candidate *c) {
+    const strata_scene_stats *stats = w->in->stats;
+    const char *unnamed = w->in->use ? "not named in --use; " : "";
+    char number[32];
+    /* Who does not learn from depth/1 finds what is outside of the view, and no more. */
+    double gone = stats->outside_triangles;
+    if (plan_slot(c->note, "depth/1", STRATA_SLOT_CONSUMES))
+        gone += stats->hidden_triangles;
+    if (c->cost == PLAN_NO_COST || !(gone > 0.0)) {
+        plan_reason(c, "%s%s opaque objects: too few to be culled, or none is hidden", unnamed,
+                    demand_number(stats->opaque_objects, number));
+        return;
+    }
+    const double share = fmin(gone / (double)stats->opaque_triangles, 1.0);
+    const double saves = drawing_cost(w, share);
+    c->chosen = saves > MARGIN * c->cost && !w->in->use;
+    plan_reason(c,
+                "%sof the triangles of %s opaque objects about %.0f %% %s hidden or outside: that "
+                "saves %.2g blended fragments and costs %.2g",
+                unnamed, demand_number(stats->opaque_objects, number), 100.0 * share,
+                c->chosen ? "are" : "would be", saves, c->cost);
+}
+
+void plan_choose_cull(plan_work *w) {
+    for (uint32_t i = 0; i < w->count; i++) {
+        plan_candidate *c = &w->candidates[i];
+        if (c->role == PLAN_DRAWS && !c->blocked && !c->named &&
+            plan_slot(c->note, "objects/1", STRATA_SLOT_UPDATES) &&
+            plan_slot(c->note, "draws.opaque/1", STRATA_SLOT_UPDATES)) {
+            weigh(w, c);
+            if (c->chosen)
+                return; /* one is enough */
+        }
+    }
+}
