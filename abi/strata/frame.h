@@ -119,6 +119,7 @@ typedef struct strata_view {
 #define STRATA_REPORT_OBJECTS_OUTSIDE 7u  /* not drawn, outside of the view */
 #define STRATA_REPORT_OBJECTS_OCCLUDED 8u /* not drawn, hidden by others */
 #define STRATA_REPORT_OBJECTS_LATE 9u     /* drawn in a later round than the first */
+#define STRATA_REPORT_OBJECTS_CERTIFIED 10u /* hidden, and checked to be so against the final depth */
 
 /* Owned by the host, valid during record() or verify() only. record() is called once for each round
  * of each band; verify() once for each band after the GPU has finished that band. Stages draws,

@@ -98,11 +98,11 @@ static json_t *objects_json(const render_report *report) {
     if (!(report->known >> STRATA_REPORT_OBJECTS & 1u))
         return json_null();
     const uint64_t culled = report->outside + report->occluded;
-    return json_pack(
-        "{s:o, s:o, s:o, s:o, s:o}", "total", json_integer((json_int_t)report->objects), "drawn",
-        json_integer((json_int_t)(report->objects - culled)), "outside",
-        json_integer((json_int_t)report->outside), "occluded",
-        json_integer((json_int_t)report->occluded), "late", json_integer((json_int_t)report->late));
+    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:o}", "total", (json_int_t)report->objects,
+                     "drawn", (json_int_t)(report->objects - culled), "outside",
+                     (json_int_t)report->outside, "occluded", (json_int_t)report->occluded, "late",
+                     (json_int_t)report->late, "certified",
+                     known(report, STRATA_REPORT_OBJECTS_CERTIFIED, report->certified));
 }
 
 /* Null: not asked for, or uncertified somewhere. */

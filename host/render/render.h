@@ -86,7 +86,7 @@ typedef struct render_report {
     uint64_t total, kept, dropped, largest;
     uint64_t lost;   /* pixels */
     uint64_t before; /* total of a clip technique, which hides some from those after it */
-    uint64_t objects, outside, occluded, late;
+    uint64_t objects, outside, occluded, late, certified;
     uint32_t known;  /* bit 1 << STRATA_REPORT_*, or RENDER_REPORT_BEFORE */
 } render_report;
 

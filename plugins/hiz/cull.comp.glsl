@@ -14,6 +14,10 @@
 #ifndef HIZ_FRUSTUM
 #include "pyramid.glsl"
 #endif
+#ifdef HIZ_CERTIFY
+#define HIZ_CERTIFICATES writeonly
+#include "certificates.glsl"
+#endif
 
 layout(std430) writeonly buffer Marks { uint marks[]; };
 layout(std430) buffer Seen { uint ever, seen[]; }; // in the last frame; ever: there was one
@@ -35,14 +39,20 @@ float farthest(int level, ivec2 first, ivec2 last) {
 }
 
 // On the level where 2 x 2 texels cover it; if these do not hide it, on finer ones with more of them.
-bool hidden(Extent e) {
+bool hidden(uint item, Extent e) {
     int wide = max(e.last.x - e.first.x, e.last.y - e.first.y);
     int level = wide > 0 ? findMSB(wide) : 0;
     if (any(greaterThan((e.last >> level) - (e.first >> level), ivec2(1))))
         ++level;
     for (uint taps = 2u; taps <= params.taps; taps *= 2u) {
-        if (e.nearest < farthest(level, e.first, e.last))
+        float depth = farthest(level, e.first, e.last);
+        if (e.nearest < depth) {
+#ifdef HIZ_CERTIFY
+            certificates[item] = Certificate(uvec2(e.first), uvec2(e.last), e.nearest, depth,
+                                             uint(level), 0u);
+#endif
             return true;
+        }
         if (--level < 0)
             break;
     }
@@ -57,7 +67,7 @@ bool is_large(Extent e) {
     return size.x * size.y >= max(frame.x * frame.y / PARTS, 1);
 }
 
-uint judge(uint item, StrataObject object, Extent e) {
+uint judge(uint item, Extent e) {
     if (e.outside)
         return STRATA_OUTSIDE;
     if (e.near)
@@ -68,8 +78,10 @@ uint judge(uint item, StrataObject object, Extent e) {
     return STRATA_KEPT;
 #elif defined(HIZ_FIRST)
     return (ever != 0u ? seen[item] != 0u : is_large(e)) ? STRATA_KEPT : STRATA_OCCLUDED;
+#elif defined(HIZ_SECOND)
+    return hidden(item, e) ? STRATA_OCCLUDED : STRATA_APPEARED;
 #else
-    return hidden(e) ? STRATA_OCCLUDED : STRATA_APPEARED;
+    return hidden(item, e) ? STRATA_OCCLUDED : STRATA_KEPT;
 #endif
 }
 
@@ -90,7 +102,7 @@ void main() {
         bool bounded = (object.flags & STRATA_OBJECT_UNBOUNDED) == 0u;
         uint judged = STRATA_TOO_NEAR;
         if (bounded)
-            judged = judge(item, object, extent_of(strata_records[item], object.lower, object.upper));
+            judged = judge(item, extent_of(strata_records[item], object.lower, object.upper));
         bool draws = judged < STRATA_OUTSIDE;
 #ifdef HIZ_SECOND
         bool drawn = state < STRATA_OUTSIDE;

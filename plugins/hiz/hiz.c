@@ -15,10 +15,11 @@
 #include "shared/create.h"
 #include "strata/strata.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { MAX_LEVELS = 16, CHUNK = 32 }; /* CHUNK: as in marks.glsl */
-enum { KNOB_MODE, KNOB_TAPS };
+enum { KNOB_MODE, KNOB_TAPS, KNOB_CERTIFY };
 enum { MODE_TWO_PHASE, MODE_FRUSTUM };
 enum { FIRST, SECOND, LAST, ROUNDS }; /* opaque, opaque, transparent */
 
@@ -28,14 +29,14 @@ enum { UNTESTED, KEPT, APPEARED, TOO_NEAR, OUTSIDE, SLIPPED, OCCLUDED, STATES };
 typedef struct hiz {
     const strata_gpu *gpu;
     uint32_t count; /* objects; 0: nothing to do */
-    uint32_t frustum, transparent, taps;
+    uint32_t frustum, transparent, taps, certify;
     uint32_t levels, offsets[MAX_LEVELS]; /* levels 1 .. levels of the pyramid begin there */
     uint32_t width, height;
     strata_image depth;
     strata_buffer marks, seen, chunks, sums, commands, draw_count, last_commands, last_count,
-        pyramid, census;
+        pyramid, census, certificates, checked;
     strata_program cull[ROUNDS], reduce, count_program, offsets_program, commands_program,
-        census_program;
+        census_program, check_program;
 } hiz;
 
 static strata_result create(void *state, const strata_host *host, const strata_gpu *gpu) {
@@ -49,7 +50,8 @@ static strata_result create(void *state, const strata_host *host, const strata_g
 static strata_result program(const hiz *h, const char *label, const strata_glsl *source,
                              const char *const *defines, uint32_t define_count,
                              strata_program *out) {
-    static const strata_glsl *const includes[] = {&extent_glsl, &marks_glsl, &pyramid_glsl, NULL};
+    static const strata_glsl *const includes[] = {&certificates_glsl, &extent_glsl, &marks_glsl,
+ &pyramid_glsl, NULL};
     return h->gpu->program_create(h->gpu->self,
                                   &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
                                                          .kind = STRATA_PROGRAM_COMPUTE,
@@ -62,8 +64,7 @@ static strata_result program(const hiz *h, const char *label, const strata_glsl 
 }
 
 static strata_result create_programs(hiz *h) {
-    static const char *const rounds[ROUNDS][2] = {
-        {"HIZ_FIRST", "HIZ_FRUSTUM"}, {"HIZ_SECOND", "HIZ_FRUSTUM"}, {"HIZ_LAST", "HIZ_FRUSTUM"}};
+    static const char *const rounds[ROUNDS] = {"HIZ_FIRST", "HIZ_SECOND", "HIZ_LAST"};
     const struct {
         strata_program *out;
         const char *label;
@@ -76,9 +77,14 @@ static strata_result create_programs(hiz *h) {
     strata_result r = STRATA_OK;
     for (size_t i = 0; i < sizeof rows / sizeof *rows && r == STRATA_OK; ++i)
         r = program(h, rows[i].label, rows[i].source, NULL, 0, rows[i].out);
-    for (uint32_t i = 0; i < ROUNDS && r == STRATA_OK; ++i)
+    for (uint32_t i = 0; i < ROUNDS && r == STRATA_OK; ++i) {
+        const char *const defines[] = {rounds[i], h->frustum ? "HIZ_FRUSTUM" : "HIZ_CERTIFY"};
         if ((i != SECOND || !h->frustum) && (i != LAST || h->transparent))
-            r = program(h, "cull", &cull_comp_glsl, rounds[i], 1 + h->frustum, &h->cull[i]);
+            r = program(h, "cull", &cull_comp_glsl, defines, h->frustum || h->certify ? 2 : 1,
+                        &h->cull[i]);
+    }
+    if (r == STRATA_OK && h->certify)
+        r = program(h, "check", &check_comp_glsl, NULL, 0, &h->check_program);
     return r;
 }
 
@@ -113,6 +119,8 @@ static strata_result create_buffers(hiz *h) {
         {&h->last_count, "transparent draw count", 4, h->transparent},
         {&h->pyramid, "pyramid", lay_out_pyramid(h) * 4, !h->frustum},
         {&h->census, "census", STATES * 4, 1},
+        {&h->certificates, "certificates", n * 32, h->certify},
+        {&h->checked, "checked", 8, h->certify},
     };
     strata_result r = STRATA_OK;
     for (size_t i = 0; i < sizeof rows / sizeof *rows && r == STRATA_OK; ++i)
@@ -135,6 +143,7 @@ static strata_result prepare(void *state, const strata_view *view) {
         return STRATA_OK;
     h->frustum = view->settings->values[KNOB_MODE] == MODE_FRUSTUM;
     h->taps = (uint32_t)view->settings->values[KNOB_TAPS];
+    h->certify = !h->frustum && view->settings->values[KNOB_CERTIFY] > 0;
     h->transparent = view->stats->transparent_draws > 0;
     h->width = view->width;
     h->height = view->height;
@@ -197,6 +206,8 @@ static void record_cull(const hiz *h, const strata_frame *frame, uint32_t round)
     if (!h->frustum && round != FIRST) {
         binds_image(&b, "depth_image", h->depth);
         binds_buffer(&b, "Pyramid", h->pyramid);
+        if (h->certify)
+            binds_buffer(&b, "Certificates", h->certificates);
     }
     compute(frame, "cull", h->cull[round], &b, h->count, &params, sizeof params);
 }
@@ -226,6 +237,15 @@ static void record_census(const hiz *h, const strata_frame *frame) {
             &h->count, sizeof h->count);
 }
 
+static void record_check(const hiz *h, const strata_frame *frame) {
+    binds b = {.count = 0};
+    binds_image(&b, "depth_image", h->depth);
+    binds_buffer(&b, "Certificates", h->certificates);
+    binds_buffer(&b, "Checked", h->checked);
+    frame->fill(frame->self, h->checked, 0, 0, 0);
+    compute(frame, "check", h->check_program, &b, 64ull * h->count, &h->count, sizeof h->count);
+}
+
 static void record(void *state, const strata_frame *frame) {
     const hiz *h = state;
     if (h->count == 0)
@@ -243,6 +263,23 @@ static void record(void *state, const strata_frame *frame) {
     }
     if (frame->round == LAST)
         record_census(h, frame);
+    if (frame->round == LAST && h->certify)
+        record_check(h, frame);
+}
+
+/* Whether every certificate holds; the frame fails where one does not. */
+static int verify_certificates(const hiz *h, const strata_frame *frame) {
+    uint32_t checked[2] = {0, 0};
+    char line[96];
+    if (frame->read(frame->self, h->checked, 0, sizeof checked, checked) != STRATA_OK)
+        return 0;
+    frame->report(frame->self, STRATA_REPORT_OBJECTS_CERTIFIED, checked[0]);
+    if (checked[1] == 0)
+        return 1;
+    snprintf(line, sizeof line, "%u certificates of hidden objects are broken by the final depth",
+             checked[1]);
+    frame->fail(frame->self, STRATA_ERROR_INTERNAL, line);
+    return 0;
 }
 
 static strata_result verify(void *state, const strata_frame *frame) {
@@ -253,6 +290,8 @@ static strata_result verify(void *state, const strata_frame *frame) {
     const strata_result r = frame->read(frame->self, h->census, 0, sizeof census, census);
     if (r != STRATA_OK)
         return r;
+    if (h->certify && !verify_certificates(h, frame))
+        return STRATA_ERROR_INTERNAL;
     frame->report(frame->self, STRATA_REPORT_OBJECTS, h->count);
     frame->report(frame->self, STRATA_REPORT_OBJECTS_OUTSIDE, census[OUTSIDE]);
     frame->report(frame->self, STRATA_REPORT_OBJECTS_OCCLUDED, census[OCCLUDED] + census[SLIPPED]);
@@ -304,7 +343,13 @@ static const strata_knob taps = {.struct_size = sizeof(strata_knob),
                                  .minimum = 2,
                                  .maximum = 8,
                                  .preset = 4};
-static const strata_knob *const knobs[] = {&mode, &taps};
+static const strata_knob certify = {.struct_size = sizeof(strata_knob),
+                                    .type = STRATA_KNOB_INT,
+                                    .name = "certify",
+                                    .title = "1: each hidden object gets a certificate, which is held "
+                                             "against every pixel of the final depth",
+                                    .maximum = 1};
+static const strata_knob *const knobs[] = {&mode, &taps, &certify};
 
 static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),
@@ -327,7 +372,7 @@ static const strata_technique technique = {
     .slots = slots,
     .slot_count = 4,
     .knobs = knobs,
-    .knob_count = 2,
+    .knob_count = 3,
     .promises = &promises,
     .cost = &cost,
     .estimate = estimate,
