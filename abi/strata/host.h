@@ -65,6 +65,26 @@ STRATA_EXPORT strata_result strata_scene_set_transform(strata_scene *scene, uint
 STRATA_EXPORT strata_result strata_scene_set_visible(strata_scene *scene, uint32_t instance,
                                                      uint32_t visible);
 
+/* ---- cameras ---------------------------------------------------------------------------------- */
+
+/* Where a camera stands and what it sees. Numbers are finite and within 1e30. */
+typedef struct strata_camera_pose {
+    uint32_t struct_size;
+    uint32_t reserved;        /* 0 */
+    double eye[3], target[3]; /* world; they differ */
+    double up[3];             /* need not be perpendicular to the view; (0, 0, 0), or along it: an
+                                 axis of the world stands in, +y where it can */
+    double yfov;              /* degrees, below 180, over the picture's height; 0 = 45 */
+    double height;            /* above 0: orthographic, so many scene units high */
+    double near, far;         /* along the view; 0 = by the scene's size, and infinite */
+} strata_camera_pose;
+
+/* The pose of a camera as named in strata_render_options.camera, at the scene's present time, for a
+ * picture of this size. *out is the caller's, its struct_size set. NOT_FOUND, INVALID_ARGUMENT. */
+STRATA_EXPORT strata_result strata_scene_camera(strata_scene *scene, const char *camera,
+                                                uint32_t width, uint32_t height,
+                                                strata_camera_pose *out);
+
 /* ---- rendering -------------------------------------------------------------------------------- */
 
 #define STRATA_OUTPUT_COLOR 1u /* linear float RGBA, premultiplied */
@@ -95,6 +115,14 @@ typedef struct strata_render_options {
     strata_result (*progress)(void *user, double done);
     void *user;
     const char *filter;         /* of sub-pixels: "box" (or NULL), "tent", "gaussian" */
+    const strata_camera_pose *pose; /* NULL: `camera` says where it stands */
+    /* 1: the next frame of the sequence that began with the last render of this scene without it.
+     * What the frames of a sequence share: the plan, which is made once while the scene calls for
+     * the same effects, the options ask for the same and nothing fails (so that techniques keep what
+     * they learned, whatever the camera does); the key light of scenes without lights; the bounds
+     * that an orbit frames and `angle` turns about. Without a frame to follow it begins a sequence. */
+    uint32_t continues;
+    uint32_t reserved;          /* 0 */
 } strata_render_options;
 
 /* Renders a scene of this instance. options NULL = defaults. The image stays with the instance until

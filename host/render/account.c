@@ -43,7 +43,7 @@ void render_result_clear(render_result *result) {
     image_free(&result->depth);
     image_free(&result->bound.map);
     render_deep_free(&result->deep_build);
-    free(result->frame_ms);
+    free(result->frames);
     free(result->passes);
     for (uint32_t i = 0; i < result->warning_count; ++i)
         free(result->warnings[i]);
@@ -103,6 +103,26 @@ static json_t *objects_json(const render_report *report) {
                      (json_int_t)report->outside, "occluded", (json_int_t)report->occluded, "late",
                      (json_int_t)report->late, "certified",
                      known(report, STRATA_REPORT_OBJECTS_CERTIFIED, report->certified));
+}
+
+/* What techniques reported, of one frame, into its object. */
+static void add_report(json_t *object, const render_report *report) {
+    json_object_set_new(object, "fragments", fragments_json(report));
+    json_object_set_new(object, "objects", objects_json(report));
+}
+
+static json_t *frames_json(const render_result *result) {
+    json_t *frames = json_array();
+    for (uint32_t i = 0; i < result->frame_count; ++i) {
+        const render_figures *f = &result->frames[i];
+        json_t *frame = json_pack("{s:f, s:o, s:i, s:i, s:i, s:i}", "ms", f->ms, "gpu_ms",
+                                  f->gpu_ms < 0 ? json_null() : json_real(f->gpu_ms), "retries",
+                                  (int)f->retries, "stalls", (int)f->stalls, "bands", (int)f->bands,
+                                  "prepared", (int)f->prepared);
+        add_report(frame, &f->report);
+        json_array_append_new(frames, frame);
+    }
+    return frames;
 }
 
 /* Null: not asked for, or uncertified somewhere. */
@@ -172,22 +192,22 @@ json_t *render_account_json(const strata *s) {
     const render_result *result = &s->result;
     json_t *frame_ms = json_array();
     for (uint32_t i = 0; i < result->frame_count; ++i)
-        json_array_append_new(frame_ms, json_real(result->frame_ms[i]));
+        json_array_append_new(frame_ms, json_real(result->frames[i].ms));
     const render_session *session = s->session;
-    return json_pack("{s:s, s:o, s:[i,i], s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, "
-                     "s:o, s:i, s:i, s:i, "
-                     "s:o}",
-                     "scene", result->scene_path ? result->scene_path : "", "device",
-                     render_device_json(s), "size", (int)result->width, (int)result->height,
-                     "samples", (int)result->samples, "filter",
-                     render_filter_json(result->samples, result->filter), "effects",
-                     plan_json_effects(session->plan), "plan", plan_json_techniques(session->plan),
-                     "modules_opened", opened_json(s), "passes", passes_json(result), "frame_ms",
-                     frame_ms, "bytes", bytes_json(s), "fragments", fragments_json(&result->report),
-                     "objects", objects_json(&result->report), "bound",
-                     bound_json(result->bound.known, result->bound.uncertified, result->bound.max,
-                                result->bound.mean),
-                     "tolerance", tolerance_json(result), "retries", (int)result->retries, "bands",
-                     (int)result->bands, "stalls", (int)result->stalls, "warnings",
-                     render_warnings_json(s, session->scene, session->plan));
+    json_t *account = json_pack(
+        "{s:s, s:o, s:[i,i], s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, "
+        "s:i, s:o}",
+        "scene", result->scene_path ? result->scene_path : "", "device", render_device_json(s),
+        "size", (int)result->width, (int)result->height, "samples", (int)result->samples, "filter",
+        render_filter_json(result->samples, result->filter), "effects",
+        plan_json_effects(session->plan), "plan", plan_json_techniques(session->plan),
+        "modules_opened", opened_json(s), "passes", passes_json(result), "frame_ms", frame_ms,
+        "frames", frames_json(result), "bytes", bytes_json(s), "bound",
+        bound_json(result->bound.known, result->bound.uncertified, result->bound.max,
+                   result->bound.mean),
+        "tolerance", tolerance_json(result), "retries", (int)result->retries, "bands",
+        (int)result->bands, "stalls", (int)result->stalls, "warnings",
+        render_warnings_json(s, session->scene, session->plan));
+    add_report(account, &result->report);
+    return account;
 }

@@ -163,6 +163,8 @@ void strata_scene_close(strata_scene *sc) {
         render_session_free(s->session);
         s->session = NULL;
     }
+    if (s->start.scene == sc->scene)
+        s->start = (render_start){0};
     for (strata_scene **at = &s->scenes; *at; at = &(*at)->next)
         if (*at == sc) {
             *at = sc->next;
@@ -186,6 +188,21 @@ strata_result strata_scene_set_transform(strata_scene *sc, uint32_t instance,
 strata_result strata_scene_set_visible(strata_scene *sc, uint32_t instance, uint32_t visible) {
     sc->owner->error = (base_error){0};
     return scene_set_visible(sc->scene, instance, visible, &sc->owner->error);
+}
+
+strata_result strata_scene_camera(strata_scene *sc, const char *camera, uint32_t width,
+                                  uint32_t height, strata_camera_pose *out) {
+    strata_camera_pose pose;
+    base_error *err = &sc->owner->error;
+    *err = (base_error){0};
+    if (!out || out->struct_size < sizeof out->struct_size)
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "pose: struct_size is not set");
+    strata_result r = scene_pose(sc->scene, camera, width, height, &pose, err);
+    if (r == STRATA_OK) { /* of the caller's version, which keeps its size */
+        pose.struct_size = out->struct_size;
+        memcpy(out, &pose, out->struct_size < sizeof pose ? out->struct_size : sizeof pose);
+    }
+    return r;
 }
 
 /* ---- texts ----------------------------------------------------------------------------------- */
@@ -335,7 +352,9 @@ strata_result strata_plan(strata *s, strata_scene *sc, const strata_render_optio
     if (r == STRATA_OK)
         render_device(s, &no_device); /* a plan without a device says so */
     if (r == STRATA_OK)
-        r = render_plan(s, sc->scene, &options, &p, &view, &s->error);
+        r = render_view(s, sc->scene, &options, 0, &view, &s->error);
+    if (r == STRATA_OK)
+        r = render_plan(s, sc->scene, &options, &view, &p, &s->error);
     if (r != STRATA_OK)
         return r;
     json_t *object = plan_json(p);

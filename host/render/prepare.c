@@ -93,8 +93,8 @@ static strata_result estimate(plan_input *input, scene *sc, const scene_view *vi
     return r;
 }
 
-strata_result render_plan(strata *s, scene *sc, const strata_render_options *options, plan **out,
-                          scene_view *view, base_error *err) {
+strata_result render_plan(strata *s, scene *sc, const strata_render_options *options,
+                          const scene_view *view, plan **out, base_error *err) {
     demand wants;
     strata_scene_stats stats = {.struct_size = sizeof stats};
     plan_input input = {.demand = &wants,
@@ -114,8 +114,6 @@ strata_result render_plan(strata *s, scene *sc, const strata_render_options *opt
                         .memory = s->memory};
     const modules_note **notes = NULL;
     strata_result r = render_modules(s, err);
-    if (r == STRATA_OK)
-        r = scene_view_make(sc, options->camera, 0, options->width, options->height, view, err);
     if (r == STRATA_OK)
         r = demand_make(sc, &wants, err);
     if (r != STRATA_OK)
@@ -155,13 +153,54 @@ static char *plan_key(const plan *p) {
 }
 
 static int fits(const render_session *session, const scene *sc,
-                const strata_render_options *options, const char *key) {
+                const strata_render_options *options) {
     const uint32_t side = render_side(options);
     return session && session->scene == sc && session->width == options->width * side &&
            session->height == options->height * side && session->samples == options->samples &&
            session->filter == render_filter(options) && session->shuffle == options->shuffle &&
-           session->certify == (uint32_t)render_certify(options) &&
-           strcmp(session->plan_text, key) == 0;
+           session->certify == (uint32_t)render_certify(options);
+}
+
+/* What of the options goes into a plan beside what fits() compares. */
+static char *request_of(const strata_render_options *options) {
+    base_text text = {0};
+    base_text_add(&text, "%s\n%s\n%a\n%u\n", options->use ? options->use : "",
+                  options->effects ? options->effects : "auto", options->tolerance,
+                  options->outputs & STRATA_OUTPUT_DEEP);
+    for (uint32_t i = 0; i < options->setting_count; ++i)
+        base_text_add(&text, "%s\n", options->settings[i] ? options->settings[i] : "");
+    if (text.failed) {
+        base_text_free(&text);
+        return NULL;
+    }
+    return text.data;
+}
+
+static int same_demand(const demand *a, const demand *b) {
+    int same = a->count == b->count;
+    for (uint32_t i = 0; i < a->count && same; ++i)
+        same =
+            strcmp(a->facts[i].id, b->facts[i].id) == 0 && a->facts[i].value == b->facts[i].value;
+    return same;
+}
+
+int render_continues(const strata *s, const strata_render_options *options) {
+    if (!options->continues || !s->session)
+        return 0;
+    char *request = request_of(options);
+    const int same = request && strcmp(s->session->request, request) == 0;
+    free(request);
+    return same;
+}
+
+int render_keeps_plan(const strata *s, const scene *sc, const strata_render_options *options) {
+    demand wants;
+    base_error ignored = {0};
+    return render_continues(s, options) && fits(s->session, sc, options) &&
+           s->session->raise == s->raise &&
+           (s->session->scene_revision == sc->revision ||
+            (demand_make(sc, &wants, &ignored) == STRATA_OK &&
+             same_demand(&wants, &s->session->wants)));
 }
 
 /* Techniques prepare again only when the draws that they hold were replaced. */
@@ -196,7 +235,9 @@ strata_result render_same_plan(strata *s, scene *sc, const strata_render_options
     plan *p = NULL;
     scene_view view;
     *same = 0;
-    strata_result r = render_plan(s, sc, options, &p, &view, err);
+    strata_result r = render_view(s, sc, options, 0, &view, err);
+    if (r == STRATA_OK)
+        r = render_plan(s, sc, options, &view, &p, err);
     if (r != STRATA_OK)
         return r;
     char *key = plan_key(p);
@@ -209,34 +250,49 @@ strata_result render_same_plan(strata *s, scene *sc, const strata_render_options
     return r;
 }
 
-strata_result render_session_open(strata *s, scene *sc, const strata_render_options *options,
-                                  plan *p, base_error *err) {
-    char *key = plan_key(p);
-    strata_result r;
-    if (!key) {
-        plan_free(p);
-        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "plan: out of memory");
-    }
-    if (fits(s->session, sc, options, key)) {
-        r = refresh(s->session, options, err);
-        plan_free(p);
-        free(key);
-        if (r != STRATA_OK) { /* half of an edit may be there */
-            render_session_free(s->session);
-            s->session = NULL;
-        }
-        return r;
-    }
-    render_session_free(s->session);
-    s->session = NULL;
-    r = render_session_create(s, sc, options, p, &s->session, err);
-    if (s->session)
-        s->session->plan_text = key;
-    else
-        free(key);
+/* Half of a session or of an edit is none. */
+static strata_result drop_failed(strata *s, strata_result r) {
     if (r != STRATA_OK) {
         render_session_free(s->session);
         s->session = NULL;
     }
     return r;
+}
+
+strata_result render_session_keep(strata *s, const strata_render_options *options,
+                                  base_error *err) {
+    return drop_failed(s, refresh(s->session, options, err));
+}
+
+strata_result render_session_open(strata *s, scene *sc, const strata_render_options *options,
+                                  plan *p, base_error *err) {
+    char *key = plan_key(p), *request = request_of(options);
+    strata_result r;
+    if (!key || !request) {
+        free(key);
+        free(request);
+        plan_free(p);
+        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "plan: out of memory");
+    }
+    if (fits(s->session, sc, options) && strcmp(s->session->plan_text, key) == 0) {
+        r = refresh(s->session, options, err);
+        plan_free(p);
+    } else {
+        render_session_free(s->session);
+        s->session = NULL;
+        r = render_session_create(s, sc, options, p, &s->session, err);
+    }
+    if (s->session) {
+        free(s->session->plan_text);
+        free(s->session->request);
+        s->session->plan_text = key;
+        s->session->request = request;
+        s->session->raise = s->raise;
+    } else {
+        free(key);
+        free(request);
+    }
+    if (r == STRATA_OK)
+        r = demand_make(sc, &s->session->wants, err);
+    return drop_failed(s, r);
 }

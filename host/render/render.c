@@ -102,6 +102,9 @@ strata_result render_options(const strata_render_options *given, strata_render_o
     for (int i = 0; i < 4; ++i)
         if (!isfinite(options->background[i]))
             return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "background is not finite");
+    if (options->continues > 1 || options->reserved)
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
+                         "continues is neither 0 nor 1, or reserved is not 0");
     if (options->setting_count && !options->settings)
         return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "settings is NULL");
     if (!(options->tolerance >= 0))
@@ -112,6 +115,14 @@ strata_result render_options(const strata_render_options *given, strata_render_o
         return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "outputs: 0x%x has unknown bits",
                          options->outputs);
     return STRATA_OK;
+}
+
+strata_result render_view(const strata *s, const scene *sc, const strata_render_options *options,
+                          double turn, scene_view *view, base_error *err) {
+    const int continues = options->continues && s->start.scene == sc;
+    return scene_view_choose(sc, options->camera, options->pose,
+                             continues ? &s->start.bounds : NULL, turn, options->width,
+                             options->height, view, err);
 }
 
 /* ---- reading back ---------------------------------------------------------------------------- */
@@ -174,23 +185,43 @@ static strata_result read_back(strata *s, const strata_render_options *options, 
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
+static double gpu_ms(const render_result *result) {
+    double sum = result->pass_count > 0 ? 0 : -1;
+    for (uint32_t i = 0; i < result->pass_count && sum >= 0; ++i)
+        sum = result->passes[i].gpu_ms < 0 ? -1 : sum + result->passes[i].gpu_ms;
+    return sum;
+}
+
+/* What the frame that just ended added to the result since `before`. */
+static render_figures figures_of(const strata *s, const render_result *before, double ms) {
+    const render_result *result = &s->result;
+    return (render_figures){.ms = ms,
+                            .gpu_ms = gpu_ms(result),
+                            .retries = result->retries - before->retries,
+                            .stalls = result->stalls - before->stalls,
+                            .prepared = result->prepared - before->prepared,
+                            .bands = s->session->band_count,
+                            .report = s->session->report};
+}
+
 static strata_result render_frames(strata *s, const strata_render_options *options,
                                    const char **failed, base_error *err) {
     render_result *result = &s->result;
     result->frame_count = 0;
-    /* The key light belongs to the camera as planned with, before it turned. */
-    strata_result r = upload_set_key_light(s->session->upload, &result->view, err);
+    /* The key light belongs to the camera that the sequence began with, before it turned. */
+    strata_result r = upload_set_key_light(s->session->upload, &s->start.view, err);
     if (r != STRATA_OK)
         return r;
     for (uint32_t i = 0; i < options->repeat; ++i) {
         const double begin = base_now_ms();
-        r = scene_view_make(s->session->scene, options->camera, options->angle + options->turn * i,
-                            options->width, options->height, &result->view, err);
+        const render_result before = *result;
+        r = render_view(s, s->session->scene, options, options->angle + options->turn * i,
+                        &result->view, err);
         if (r == STRATA_OK)
             r = render_frame(s->session, &result->view, options, failed, err);
         if (r != STRATA_OK)
             return r;
-        result->frame_ms[result->frame_count++] = base_now_ms() - begin;
+        result->frames[result->frame_count++] = figures_of(s, &before, base_now_ms() - begin);
         if (options->progress &&
             options->progress(options->user, (i + 1.0) / options->repeat) != STRATA_OK)
             return base_fail(err, STRATA_ERROR_CANCELLED, "cancelled");
@@ -213,15 +244,29 @@ static void drop_device(strata *s) {
     s->gpu = NULL;
 }
 
+/* Where a sequence begins, this frame is what its others go by. */
+static void begin_sequence(strata *s, const scene *sc, const scene_view *view) {
+    s->start = (render_start){.scene = sc, .view = *view};
+    memcpy(s->start.bounds.lower, sc->lower, sizeof s->start.bounds.lower);
+    memcpy(s->start.bounds.upper, sc->upper, sizeof s->start.bounds.upper);
+}
+
 static strata_result attempt(strata *s, scene *sc, const strata_render_options *options,
                              const char **failed, base_error *err) {
     plan *p = NULL;
     *failed = NULL;
     strata_result r = render_device(s, err);
     if (r == STRATA_OK)
-        r = render_plan(s, sc, options, &p, &s->result.view, err);
-    if (r == STRATA_OK)
-        r = render_session_open(s, sc, options, p, err);
+        r = render_view(s, sc, options, 0, &s->result.view, err);
+    if (r == STRATA_OK && !options->continues)
+        begin_sequence(s, sc, &s->result.view);
+    if (r == STRATA_OK && render_keeps_plan(s, sc, options)) {
+        r = render_session_keep(s, options, err);
+    } else if (r == STRATA_OK) {
+        r = render_plan(s, sc, options, &s->result.view, &p, err);
+        if (r == STRATA_OK)
+            r = render_session_open(s, sc, options, p, err);
+    }
     if (r != STRATA_OK)
         return r;
     s->session->careful = s->losses > 0;
@@ -336,9 +381,12 @@ strata_result strata_render(strata *s, strata_scene *sc, const strata_render_opt
     s->result.filter = render_filter(&options);
     s->result.tolerance = options.tolerance;
     s->result.scene_path = base_strdup(sc->scene->path ? sc->scene->path : "");
-    s->result.frame_ms = base_calloc(options.repeat, sizeof *s->result.frame_ms);
-    if (!s->result.frame_ms || !s->result.scene_path)
+    s->result.frames = base_calloc(options.repeat, sizeof *s->result.frames);
+    if (!s->result.frames || !s->result.scene_path)
         return base_fail(&s->error, STRATA_ERROR_OUT_OF_HOST_MEMORY, "out of memory");
+    options.continues = options.continues && s->start.scene == sc->scene;
+    if (render_continues(s, &options))
+        s->raise = s->session->raise;
     r = render_within(s, sc->scene, &options, &err);
     s->raise = 0;
     s->result.valid = r == STRATA_OK || r == STRATA_PARTIAL;

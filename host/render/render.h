@@ -22,6 +22,7 @@
 #include "gpu/gpu.h"
 #include "image/image.h"
 #include "modules/modules.h"
+#include "plan/demand.h"
 #include "plan/estimate.h"
 #include "plan/plan.h"
 #include "scene/camera.h"
@@ -103,6 +104,9 @@ typedef struct render_session {
     uint32_t careful; /* submit after each technique, to learn which one loses the device */
     plan *plan;
     char *plan_text; /* its JSON, compared to see whether it changed */
+    char *request;   /* what of the options it was made for */
+    uint32_t raise;  /* and the instance's raise then */
+    demand wants;    /* and what the scene called for */
     upload *upload;
     gpu_scope *scope;
     strata_image color, depth, limit, bound; /* bound: when it is asked for */
@@ -159,6 +163,21 @@ typedef struct render_step {
     uint64_t uncertified; /* pixels */
 } render_step;
 
+/* What one frame cost. */
+typedef struct render_figures {
+    double ms, gpu_ms; /* gpu_ms: of its passes, -1 unknown */
+    uint32_t retries, stalls, bands;
+    uint32_t prepared; /* times that the techniques prepared */
+    render_report report;
+} render_figures;
+
+/* What the frames of a sequence share; see strata_render_options.continues. */
+typedef struct render_start {
+    const scene *scene; /* NULL: none began */
+    scene_box bounds;
+    scene_view view; /* for the key light */
+} render_start;
+
 /* What the last render did, for the account and the outputs. */
 typedef struct render_result {
     uint32_t valid, width, height, samples, filter, outputs;
@@ -171,11 +190,11 @@ typedef struct render_result {
     render_deep deep_build;
     image_deep deep;
     uint32_t has_depth, has_deep;
-    double *frame_ms;
+    render_figures *frames;
     uint32_t frame_count;
     render_pass_time *passes;
     uint32_t pass_count;
-    uint32_t retries, bands, stalls;
+    uint32_t retries, bands, stalls, prepared;
     uint32_t losses; /* of the device */
     render_report report;
     char **warnings;
@@ -193,6 +212,7 @@ struct strata {
     gpu_device_info device_info;
     render_session *session;
     render_result result;
+    render_start start; /* of the sequence */
     plan_exclusion *exclusions; /* techniques that failed; texts owned */
     uint32_t exclusion_count;
     struct strata_scene *scenes;
@@ -210,17 +230,27 @@ strata_result render_options(const strata_render_options *given, strata_render_o
 uint32_t render_side(const strata_render_options *options);
 uint32_t render_filter(const strata_render_options *options);
 const char *render_filter_name(uint32_t filter);
+/* The camera of these options, turned by so many degrees. */
+strata_result render_view(const strata *s, const scene *sc, const strata_render_options *options,
+                          double turn, scene_view *view, base_error *err);
 
 /* ---- prepare.c ------------------------------------------------------------------------------- */
-/* Demand, estimate and plan for these options; *view is the first frame's camera. */
-strata_result render_plan(strata *s, scene *sc, const strata_render_options *options, plan **out,
-                          scene_view *view, base_error *err);
+/* Demand, estimate and plan for these options, as this camera sees the scene. */
+strata_result render_plan(strata *s, scene *sc, const strata_render_options *options,
+                          const scene_view *view, plan **out, base_error *err);
 /* Opens the device unless it is open. */
 strata_result render_device(strata *s, base_error *err);
 strata_result render_modules(strata *s, base_error *err);
 /* Whether these options would be rendered, at this raise, as the session was. */
 strata_result render_same_plan(strata *s, scene *sc, const strata_render_options *options,
                                int *same, base_error *err);
+/* Whether the frame continues a sequence that the session was made for by options that ask for the
+ * same: the raise of its plan holds; and whether its plan does, the scene calling for the same. */
+int render_continues(const strata *s, const strata_render_options *options);
+int render_keeps_plan(const strata *s, const scene *sc, const strata_render_options *options);
+/* The session as it is, after the scene's edits. */
+strata_result render_session_keep(strata *s, const strata_render_options *options,
+                                  base_error *err);
 /* Makes s->session fit the plan and options, keeping the old one where nothing changed. Takes
  * ownership of p in any case. */
 strata_result render_session_open(strata *s, scene *sc, const strata_render_options *options,

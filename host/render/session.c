@@ -313,6 +313,7 @@ strata_result render_session_prepare(render_session *session, const char **faile
             return technique_failed(t, "prepare", r, failed, err);
     }
     session->prepared = 1;
+    session->owner->result.prepared++;
     session->changed = 0;
     return STRATA_OK;
 }
@@ -502,6 +503,7 @@ void render_session_free(render_session *session) {
     gpu_scope_end(session->scope);
     free(session->bands);
     free(session->plan_text);
+    free(session->request);
     plan_free(session->plan);
     free(session);
 }

@@ -15,11 +15,20 @@
 #define ORBIT_MARGIN     1.06  /* of the picture over what it frames */
 #define SMALLEST_NEAR    1e-30 /* its reciprocal is a float too */
 #define LARGEST_DISTANCE 1e37
+#define LARGEST_POSE     1e30  /* of a pose's numbers: their squares' sums are finite */
+#define PARALLEL         1e-12 /* sine of the angle below which two directions are one */
 
 /* A camera before it becomes matrices: columns of world are right, up, back and position. */
 typedef struct placement {
     double right[3], up[3], back[3], position[3];
 } placement;
+
+typedef struct lens {
+    int orthographic;
+    double yfov;        /* radians */
+    double half_height; /* orthographic */
+    double near, far;   /* 0: none is given */
+} lens;
 
 typedef struct framing {
     double centre[3], half[3]; /* half extents, > 0 */
@@ -86,7 +95,7 @@ static void sine_cosine(double degrees, double *sine, double *cosine) {
 
 /* ---- where the camera stands ----------------------------------------------------------------- */
 
-static framing frame_bounds(const scene *s) {
+static framing frame_bounds(const scene_box *s) {
     framing f = {.half = {1.0, 1.0, 1.0}};
     int empty = 0;
     for (int i = 0; i < 3; i++)
@@ -138,6 +147,21 @@ static void place_orbit(const framing *f, double azimuth, double elevation, doub
     view->near = fmax((distance - f->radius) * 0.5, distance * 1e-3);
 }
 
+/* The axes right and up for p->back, a unit vector; an axis of the world stands in for an `up` that
+ * says nothing. */
+static void place_axes(const double up[3], placement *p) {
+    cross(up, p->back, p->right);
+    double length = sqrt(dot(p->right, p->right));
+    if (!(length > PARALLEL * sqrt(dot(up, up)))) {
+        double other[3] = {fabs(p->back[1]) < 0.9 ? 0.0 : 1.0, fabs(p->back[1]) < 0.9, 0.0};
+        cross(other, p->back, p->right);
+        length = sqrt(dot(p->right, p->right));
+    }
+    for (int i = 0; i < 3; i++)
+        p->right[i] /= length;
+    cross(p->back, p->right, p->up);
+}
+
 /* Makes the axes of a camera's node orthonormal; a degenerate node looks along -z. */
 static void place_camera(const scene_camera *camera, placement *p) {
     const float *m = camera->world;
@@ -150,28 +174,45 @@ static void place_camera(const scene_camera *camera, placement *p) {
     double length = sqrt(dot(p->back, p->back));
     for (int i = 0; i < 3; i++)
         p->back[i] = length > 0.0 ? p->back[i] / length : (i == 2 ? 1.0 : 0.0);
-    cross(up, p->back, p->right);
-    length = sqrt(dot(p->right, p->right));
-    if (!(length > 0.0)) {
-        double other[3] = {fabs(p->back[1]) < 0.9 ? 0.0 : 1.0, fabs(p->back[1]) < 0.9, 0.0};
-        cross(other, p->back, p->right);
-        length = sqrt(dot(p->right, p->right));
-    }
-    for (int i = 0; i < 3; i++)
-        p->right[i] /= length;
-    cross(p->back, p->right, p->up);
+    place_axes(up, p);
 }
 
-static void lens_of(const scene_camera *camera, const framing *f, double aspect, scene_view *view) {
-    double near = (double)camera->znear, far = (double)camera->zfar;
-    if (camera->projection == SCENE_ORTHOGRAPHIC) {
+static void place_pose(const strata_camera_pose *pose, placement *p) {
+    for (int i = 0; i < 3; i++) {
+        p->position[i] = pose->eye[i];
+        p->back[i] = pose->eye[i] - pose->target[i];
+    }
+    double length = sqrt(dot(p->back, p->back));
+    for (int i = 0; i < 3; i++)
+        p->back[i] /= length;
+    place_axes(pose->up, p);
+}
+
+static lens lens_of_camera(const scene_camera *camera) {
+    return (lens){.orthographic = camera->projection == SCENE_ORTHOGRAPHIC,
+                  .yfov = (double)camera->yfov,
+                  .half_height = fabs((double)camera->ymag),
+                  .near = (double)camera->znear,
+                  .far = (double)camera->zfar};
+}
+
+static lens lens_of_pose(const strata_camera_pose *pose) {
+    return (lens){.orthographic = pose->height > 0.0,
+                  .yfov = pose->yfov * PI / 180.0,
+                  .half_height = pose->height / 2.0,
+                  .near = pose->near,
+                  .far = pose->far};
+}
+
+static void look_through(const lens *glass, const framing *f, double aspect, scene_view *view) {
+    double near = glass->near, far = glass->far;
+    if (glass->orthographic) {
         view->orthographic = 1;
-        double half = fabs((double)camera->ymag);
-        view->half_height = half > 0.0 ? half : f->half[1];
+        view->half_height = glass->half_height > 0.0 ? glass->half_height : f->half[1];
         view->near = near > 0.0 ? near : 0.0;
         view->far = far > view->near ? far : view->near + 4.0 * f->radius;
     } else {
-        double yfov = (double)camera->yfov;
+        double yfov = glass->yfov;
         if (!(yfov > 0.0 && yfov < PI))
             yfov = ORBIT_YFOV;
         view->half_height = tan(yfov / 2.0);
@@ -296,36 +337,146 @@ static strata_result fail_unknown(const scene *s, const char *name, base_error *
     return result;
 }
 
-strata_result scene_view_make(const scene *s, const char *camera, double turn, uint32_t width,
-                              uint32_t height, scene_view *view, base_error *err) {
+/* NULL in *chosen: an orbit of these angles. */
+static strata_result choose(const scene *s, const char *camera, const scene_camera **chosen,
+                            double *azimuth, double *elevation, base_error *err) {
+    *chosen = NULL;
+    *azimuth = 30.0;
+    *elevation = 20.0;
+    if (!camera || !*camera) {
+        *chosen = s->camera_count > 0 ? &s->cameras[0] : NULL;
+        return STRATA_OK;
+    }
+    *chosen = find_camera(s, camera);
+    if (!*chosen && strncmp(camera, "orbit:", 6) != 0)
+        return fail_unknown(s, camera, err);
+    if (!*chosen && !read_orbit(camera + 6, azimuth, elevation))
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
+                         "camera '%s' is not orbit:AZIMUTH,ELEVATION in degrees", camera);
+    return STRATA_OK;
+}
+
+static strata_result place_named(const scene *s, const char *camera, const framing *f,
+                                 double aspect, placement *p, scene_view *view, base_error *err) {
+    const scene_camera *chosen;
+    double azimuth, elevation;
+    strata_result r = choose(s, camera, &chosen, &azimuth, &elevation, err);
+    if (r != STRATA_OK)
+        return r;
+    if (!chosen) {
+        place_orbit(f, azimuth, elevation, aspect, p, view);
+        return STRATA_OK;
+    }
+    const lens glass = lens_of_camera(chosen);
+    view->from_scene = 1;
+    place_camera(chosen, p);
+    look_through(&glass, f, aspect, view);
+    return STRATA_OK;
+}
+
+static scene_box bounds_of(const scene *s) {
+    scene_box bounds;
+    memcpy(bounds.lower, s->lower, sizeof bounds.lower);
+    memcpy(bounds.upper, s->upper, sizeof bounds.upper);
+    return bounds;
+}
+
+static strata_result refuse_pose(const char *what, base_error *err) {
+    return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "pose: %s", what);
+}
+
+/* Copies what the caller knows of a pose; the rest is 0. */
+static strata_result take_pose(const strata_camera_pose *given, strata_camera_pose *pose,
+                               base_error *err) {
+    *pose = (strata_camera_pose){0};
+    if (!base_take(pose, sizeof *pose, given) || pose->reserved)
+        return refuse_pose("struct_size is not set, or it is of a later version", err);
+    const double numbers[] = {pose->eye[0],    pose->eye[1],    pose->eye[2], pose->target[0],
+                              pose->target[1], pose->target[2], pose->up[0],  pose->up[1],
+                              pose->up[2],     pose->yfov,      pose->height, pose->near,
+                              pose->far};
+    for (size_t i = 0; i < BASE_COUNT(numbers); i++)
+        if (!(fabs(numbers[i]) <= LARGEST_POSE))
+            return refuse_pose("a number is not finite or beyond 1e30", err);
+    double view[3];
+    for (int i = 0; i < 3; i++)
+        view[i] = pose->eye[i] - pose->target[i];
+    if (!(dot(view, view) > 0.0))
+        return refuse_pose("the eye is at its target", err);
+    if (pose->yfov < 0.0 || pose->yfov >= 180.0)
+        return refuse_pose("yfov is not from 0 to below 180 degrees", err);
+    if (pose->height < 0.0 || pose->near < 0.0)
+        return refuse_pose("height or near is negative", err);
+    if (pose->far != 0.0 && !(pose->far > pose->near))
+        return refuse_pose("far is not beyond near", err);
+    return STRATA_OK;
+}
+
+strata_result scene_view_choose(const scene *s, const char *camera, const strata_camera_pose *pose,
+                                const scene_box *bounds, double turn, uint32_t width,
+                                uint32_t height, scene_view *view, base_error *err) {
     *view = (scene_view){0};
     if (width == 0 || height == 0 || !isfinite(turn))
         return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
                          "a view needs a size and a finite turn");
-    double aspect = (double)width / (double)height, azimuth = 30.0, elevation = 20.0;
-    const scene_camera *chosen = NULL;
-    if (!camera || !*camera) {
-        chosen = s->camera_count > 0 ? &s->cameras[0] : NULL;
-    } else {
-        chosen = find_camera(s, camera);
-        if (!chosen && strncmp(camera, "orbit:", 6) != 0)
-            return fail_unknown(s, camera, err);
-        if (!chosen && !read_orbit(camera + 6, &azimuth, &elevation))
-            return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
-                             "camera '%s' is not orbit:AZIMUTH,ELEVATION in degrees", camera);
-    }
-    framing f = frame_bounds(s);
+    const double aspect = (double)width / (double)height;
+    const scene_box own = bounds_of(s);
+    const framing f = frame_bounds(bounds ? bounds : &own);
+    strata_camera_pose taken;
     placement p;
-    if (chosen) {
-        view->from_scene = 1;
-        place_camera(chosen, &p);
-        lens_of(chosen, &f, aspect, view);
-    } else {
-        place_orbit(&f, azimuth, elevation, aspect, &p, view);
+    strata_result r =
+        pose ? take_pose(pose, &taken, err) : place_named(s, camera, &f, aspect, &p, view, err);
+    if (r != STRATA_OK)
+        return r;
+    if (pose) {
+        const lens glass = lens_of_pose(&taken);
+        place_pose(&taken, &p);
+        look_through(&glass, &f, aspect, view);
     }
     if (turn != 0.0)
         turn_about(f.centre, turn, &p);
     fill_matrices(&p, view);
+    return STRATA_OK;
+}
+
+strata_result scene_view_make(const scene *s, const char *camera, double turn, uint32_t width,
+                              uint32_t height, scene_view *view, base_error *err) {
+    return scene_view_choose(s, camera, NULL, NULL, turn, width, height, view, err);
+}
+
+strata_result scene_pose(const scene *s, const char *camera, uint32_t width, uint32_t height,
+                         strata_camera_pose *pose, base_error *err) {
+    const scene_box own = bounds_of(s);
+    const framing f = frame_bounds(&own);
+    scene_view view = {0};
+    placement p;
+    if (width == 0 || height == 0)
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "a view needs a size");
+    strata_result r = place_named(s, camera, &f, (double)width / (double)height, &p, &view, err);
+    if (r != STRATA_OK)
+        return r;
+    /* The target is level with the centre of the scene, or a radius ahead where that is behind; and
+     * so far that the eye's coordinates tell the two apart. */
+    double to_centre[3], away = 0.0;
+    for (int i = 0; i < 3; i++) {
+        to_centre[i] = p.position[i] - f.centre[i];
+        away = fmax(away, fabs(p.position[i]));
+    }
+    double distance = dot(to_centre, p.back);
+    distance = fmax(distance > 0.0 ? distance : f.radius, 1e-6 * away);
+    *pose = (strata_camera_pose){.struct_size = sizeof *pose,
+                                 .yfov = atan(view.half_height) * 2.0 * 180.0 / PI,
+                                 .near = view.near,
+                                 .far = view.far};
+    if (view.orthographic) {
+        pose->yfov = 0.0;
+        pose->height = 2.0 * view.half_height;
+    }
+    for (int i = 0; i < 3; i++) {
+        pose->eye[i] = p.position[i];
+        pose->target[i] = p.position[i] - p.back[i] * distance;
+        pose->up[i] = p.up[i];
+    }
     return STRATA_OK;
 }
 
