@@ -90,6 +90,34 @@ int cli_options_open(const cli_options *o, strata **s, strata_scene **scene);
 int cli_parse_number(const char *text, double low, double high, double *out);
 int cli_parse_whole(const char *text, uint64_t low, uint64_t high, uint64_t *out);
 
+/* ---- rendering and saving (sequence.c)
+ * ---------------------------------------------- */
+
+#define CLI_LINE 512u
+
+typedef struct cli_outputs { /* names of files; NULL: not asked for */
+    const char *color, *deep, *bound, *account;
+} cli_outputs;
+
+typedef struct cli_sequence {
+    uint32_t frames;  /* 0: one picture; else names may hold a frame's number */
+    const char *path; /* of the camera: a file's name or "orbit[:TURNS]"; NULL: it stands */
+    double fps;       /* frames a second of scene and path; 0: the scene stands */
+} cli_sequence;
+
+/* 1: an orbit of so many turns, 0: something else, -1: no number stands after "orbit:". */
+int cli_path_is_orbit(const char *text, double *turns);
+
+/* Whether the outputs are named well and apart; 0 after saying what is wrong in line. */
+int cli_check_names(const cli_outputs *outputs, uint32_t frames, char line[CLI_LINE]);
+/* Whether they could be written, those of the first frame. Status. */
+int cli_check_outputs(const cli_outputs *outputs, uint32_t frames);
+
+/* Renders all frames and saves what is asked for: names with a number for each frame, others of the
+ * last. Warnings to stderr, each once. Status. */
+int cli_render_frames(strata *s, strata_scene *scene, const cli_options *common,
+                      const cli_outputs *outputs, const cli_sequence *sequence);
+
 /* ---- progress and interruption (progress.c)
  * ------------------------------------------------------ */
 

@@ -4,10 +4,20 @@
  */
 #include "cli/cli.h"
 
-#include <math.h>
 #include <string.h>
 
-enum { KEY_BACKGROUND = 512, KEY_REPEAT, KEY_DEEP, KEY_BOUND, KEY_ACCOUNT };
+#define MAX_FRAMES 100000u
+
+enum {
+    KEY_BACKGROUND = 512,
+    KEY_REPEAT,
+    KEY_DEEP,
+    KEY_BOUND,
+    KEY_ACCOUNT,
+    KEY_FRAMES,
+    KEY_PATH,
+    KEY_FPS
+};
 
 static const struct argp_option options[] = {
     {.doc = "What comes out:", .group = 1},
@@ -19,12 +29,24 @@ static const struct argp_option options[] = {
     {"account", KEY_ACCOUNT, "OUT.json", 0, "What it cost and how right it is; - for stdout", 1},
     {"background", KEY_BACKGROUND, "R,G,B", 0, "Linear; 0.2,0.2,0.2", 2},
     {"repeat", KEY_REPEAT, "N", 0, "Render N frames and account for all; the last is kept", 2},
+    {.doc = "A sequence, with history kept from frame to frame:", .group = 3},
+    {"frames", KEY_FRAMES, "N", 0,
+     "Render N frames; a %d or %04d in -o, --deep or --bound numbers their files, from 0 on; names "
+     "without are the last frame's",
+     3},
+    {"path", KEY_PATH, "FILE|orbit[:TURNS]", 0,
+     "Move the camera: key poses in a JSON file, or once (TURNS times) about the scene", 3},
+    {"fps", KEY_FPS, "F", 0,
+     "Advance the scene, and the path from its first key, by 1/F s a frame; else the scene stands "
+     "still and the path is spread over all frames",
+     3},
     {0},
 };
 
 typedef struct request {
     cli_options common;
-    const char *output, *deep, *bound, *account;
+    cli_outputs outputs;
+    cli_sequence sequence;
 } request;
 
 static int parse_background(const char *text, strata_render_options *render) {
@@ -46,27 +68,35 @@ static int parse_background(const char *text, strata_render_options *render) {
     return 1;
 }
 
-/* Two outputs of one name would overwrite each other. */
-static void check_names(struct argp_state *state, const request *r) {
-    const char *const names[] = {"-o", "--deep", "--bound", "--account"};
-    const char *const paths[] = {r->output, r->deep, r->bound, r->account};
-    for (size_t i = 0; i < sizeof paths / sizeof *paths; i++)
-        for (size_t k = i + 1; paths[i] && k < sizeof paths / sizeof *paths; k++)
-            if (paths[k] && strcmp(paths[i], paths[k]) == 0)
-                argp_error(state, "%s and %s name the same file", names[i], names[k]);
+static void check_sequence(struct argp_state *state, const request *r) {
+    const cli_sequence *q = &r->sequence;
+    const strata_render_options *o = &r->common.render;
+    double turns;
+    if (q->frames == 0 && (q->path || q->fps > 0))
+        argp_error(state, "%s goes with --frames", q->path ? "--path" : "--fps");
+    else if (q->frames > 0 && (o->repeat || o->turn != 0))
+        argp_error(state, "--frames does not go with %s", o->repeat ? "--repeat" : "frame.turn");
+    else if (q->path && cli_path_is_orbit(q->path, &turns) < 0)
+        argp_error(state, "--path %s: expected orbit:TURNS, from -1000 to 1000", q->path);
+    else if (q->path && o->camera && !cli_path_is_orbit(q->path, &turns))
+        argp_error(state, "--camera does not go with --path FILE, which says where it stands");
 }
 
 static void check(struct argp_state *state, const request *r) {
-    if (!r->output)
+    const cli_outputs *o = &r->outputs;
+    char line[CLI_LINE];
+    if (!o->color)
         argp_error(state, "-o is missing: a .png or .exr file");
-    else if (!cli_has_suffix(r->output, ".png") && !cli_has_suffix(r->output, ".exr"))
-        argp_error(state, "-o %s: the name ends in .png or .exr", r->output);
-    else if (r->deep && !cli_has_suffix(r->deep, ".exr"))
-        argp_error(state, "--deep %s: the name ends in .exr", r->deep);
-    else if (r->bound && !cli_has_suffix(r->bound, ".exr"))
-        argp_error(state, "--bound %s: the name ends in .exr", r->bound);
+    else if (!cli_has_suffix(o->color, ".png") && !cli_has_suffix(o->color, ".exr"))
+        argp_error(state, "-o %s: the name ends in .png or .exr", o->color);
+    else if (o->deep && !cli_has_suffix(o->deep, ".exr"))
+        argp_error(state, "--deep %s: the name ends in .exr", o->deep);
+    else if (o->bound && !cli_has_suffix(o->bound, ".exr"))
+        argp_error(state, "--bound %s: the name ends in .exr", o->bound);
+    else if (!cli_check_names(o, r->sequence.frames, line))
+        argp_error(state, "%s", line);
     else
-        check_names(state, r);
+        check_sequence(state, r);
 }
 
 static error_t parse(int key, char *text, struct argp_state *state) {
@@ -77,16 +107,16 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         state->child_inputs[0] = &r->common;
         return 0;
     case 'o':
-        r->output = text;
+        r->outputs.color = text;
         return 0;
     case KEY_DEEP:
-        r->deep = text;
+        r->outputs.deep = text;
         return 0;
     case KEY_BOUND:
-        r->bound = text;
+        r->outputs.bound = text;
         return 0;
     case KEY_ACCOUNT:
-        r->account = text;
+        r->outputs.account = text;
         return 0;
     case KEY_BACKGROUND:
         if (!parse_background(text, &r->common.render))
@@ -97,6 +127,20 @@ static error_t parse(int key, char *text, struct argp_state *state) {
             argp_error(state, "--repeat %s: expected a whole number from 1 to 1000000", text);
         else
             r->common.render.repeat = (uint32_t)count;
+        return 0;
+    case KEY_FRAMES:
+        if (!cli_parse_whole(text, 1, MAX_FRAMES, &count))
+            argp_error(state, "--frames %s: expected a whole number from 1 to %u", text,
+                       MAX_FRAMES);
+        else
+            r->sequence.frames = (uint32_t)count;
+        return 0;
+    case KEY_PATH:
+        r->sequence.path = text;
+        return 0;
+    case KEY_FPS:
+        if (!cli_parse_number(text, 1e-3, 1e6, &r->sequence.fps))
+            argp_error(state, "--fps %s: expected frames a second from 0.001 to 1e6", text);
         return 0;
     case ARGP_KEY_SUCCESS:
         check(state, r);
@@ -115,52 +159,6 @@ static const struct argp argp = {
     .children = children,
 };
 
-static int check_outputs(const request *r) {
-    const char *paths[] = {r->output, r->deep, r->bound, r->account};
-    int status = CLI_DONE;
-    for (size_t i = 0; i < sizeof paths / sizeof *paths && status == CLI_DONE; i++)
-        if (paths[i] && strcmp(paths[i], "-") != 0)
-            status = cli_check_output(paths[i]);
-    return status;
-}
-
-/* Warnings to stderr, the account to its file. */
-static int tell_account(strata *s, const request *r) {
-    cli_text text = {0};
-    json_t *account = NULL;
-    strata_result result = strata_account(s, cli_text_write, &text);
-    int status = result == STRATA_OK ? cli_text_parse(&text, &account) : cli_fail_result(s, result);
-    if (status == CLI_DONE) {
-        cli_warn(account);
-        if (r->account)
-            status = cli_text_save(&text, r->account);
-    }
-    json_decref(account);
-    free(text.data);
-    return status;
-}
-
-static int render_and_save(strata *s, strata_scene *scene, const request *r) {
-    strata_result result = strata_render(s, scene, &r->common.render);
-    cli_progress_end();
-    if (result != STRATA_OK && result != STRATA_PARTIAL)
-        return cli_fail_result(s, result);
-    if (cli_interrupted())
-        return cli_fail(CLI_FAILED, "stopped");
-    int status = result == STRATA_PARTIAL ? CLI_PARTIAL : CLI_DONE;
-    result = strata_save(s, STRATA_OUTPUT_COLOR, r->output);
-    if (result == STRATA_OK && r->deep)
-        result = strata_save(s, STRATA_OUTPUT_DEEP, r->deep);
-    if (result == STRATA_OK && r->bound)
-        result = strata_save(s, STRATA_OUTPUT_BOUND, r->bound);
-    if (result != STRATA_OK)
-        return cli_fail_result(s, result);
-    int told = tell_account(s, r);
-    if (told == CLI_DONE && status == CLI_PARTIAL)
-        cli_fail(status, "done, but less than was asked for: see the account");
-    return told != CLI_DONE ? told : status;
-}
-
 int cli_render(int argc, char **argv) {
     request r = {0};
     strata *s = NULL;
@@ -171,15 +169,14 @@ int cli_render(int argc, char **argv) {
     if (argp_parse(&argp, argc, argv, 0, NULL, &r) != 0)
         status = CLI_USAGE;
     r.common.render.outputs =
-        (r.deep ? STRATA_OUTPUT_DEEP : 0) | (r.bound ? STRATA_OUTPUT_BOUND : 0);
-    r.common.render.progress = cli_progress;
+        (r.outputs.deep ? STRATA_OUTPUT_DEEP : 0) | (r.outputs.bound ? STRATA_OUTPUT_BOUND : 0);
     cli_catch_interrupt();
     if (status == CLI_DONE)
-        status = check_outputs(&r);
+        status = cli_check_outputs(&r.outputs, r.sequence.frames);
     if (status == CLI_DONE)
         status = cli_options_open(&r.common, &s, &scene);
     if (status == CLI_DONE)
-        status = render_and_save(s, scene, &r);
+        status = cli_render_frames(s, scene, &r.common, &r.outputs, &r.sequence);
     strata_scene_close(scene);
     strata_close(s);
     cli_options_free(&r.common);
