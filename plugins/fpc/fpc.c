@@ -9,8 +9,8 @@
  *   filter                  weighted sums of sub-pixels, where it fills image/1
  *
  * Work items are elements, streams of elements and chunks of fragments, never pixels: the time
- * depends on the number of fragments and not on where they lie. How many passes a scene needs is
- * learned in verify().
+ * depends on the number of fragments and not on where they lie. The hybrid leaves pixels of one
+ * chunk to networks. How many passes a scene needs is learned in verify().
  */
 #include "fpc_glsl.h"
 #include "shared/classes.h"
@@ -403,8 +403,7 @@ static void destroy(void *state) {
 static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
                               strata_cost *cost) {
     (void)stats;
-    (void)settings;
-    cost->bytes_per_pixel = 17;
+    cost->bytes_per_pixel = settings->values[KNOB_MODE] == MODE_HYBRID ? 25 : 17;
     cost->bytes_per_fragment = 28;
     cost->bytes_fixed = 4096;
     return STRATA_OK;
@@ -420,6 +419,7 @@ static const strata_knob mode = {
     .name = "mode",
     .title = "all pixels by fragments, or those of at most 64 by ppc's networks",
     .maximum = 1,
+    .preset = MODE_HYBRID,
     .choices = mode_choices};
 static const strata_knob threshold = {
     .struct_size = sizeof(strata_knob),
@@ -435,8 +435,9 @@ static const strata_promises promises = {
     .order = STRATA_ORDER_EXACT,
     .determinism = STRATA_DETERMINISM_BOUNDED,
     .memory =
-        "16 pixels with fragments + 25 to 28 fragments + 0.5 fragments of pixels deeper than 64 "
-        "(+ 4 pixels with linked records)"};
+        "16 pixels sorted + 25 to 28 fragments sorted + 0.5 fragments of pixels deeper than 64 "
+        "(+ 4 pixels with linked records); hybrid sorts the deeper ones only, + 4 pixels "
+        "(+ 4 with equal keys)"};
 
 static const strata_cost_model cost = {
     .struct_size = sizeof(strata_cost_model), .frame = 60000, .per_pixel = 0.5, .per_fragment = 10};

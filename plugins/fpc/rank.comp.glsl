@@ -16,6 +16,8 @@ layout(std430) writeonly buffer RankOf { uint rank_of[]; };
 #endif
 
 void main() {
+    if (pixels == 0u)
+        return; // for all alike: the hybrid may leave nothing
     uvec4 sum = uvec4(0u), total;
     for (uint i = 0u; i < PIXELS_PER_INVOCATION; ++i)
         sum = add(sum, share_of(count_of(pixel_at(i))));

@@ -21,10 +21,14 @@ void main() {
         sum = add(sum, share_of(count));
         most = max(most, count);
     }
-    scan(sum, total);
+    barrier();
     if (most > 0u)
         atomicMax(group_largest, most);
     barrier();
+    if (group_largest > 0u) // for all of the group alike
+        scan(sum, total);
+    else
+        total = uvec4(0u);
     if (lane == 0u) {
         uint group = strata_item() / STRATA_GROUP;
         if (group < group_count())

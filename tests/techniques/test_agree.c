@@ -77,8 +77,11 @@ static const exact_way ways[] = {
      .depth = 128},
     /* one chunk is folded like any other pixel */
     {.way = {.use = "abuffer,fpc"}, .depth = 64},
-    {.way = {.use = "abuffer,fpc", .settings = {"fpc.mode=hybrid"}}, .depth = 64},
-    {.way = {.use = "abuffer,fpc", .settings = {"abuffer.mode=linked"}, .shuffle = 3}, .depth = 64},
+    {.way = {.use = "abuffer,fpc", .settings = {"fpc.mode=fragments"}}, .depth = 64},
+    {.way = {.use = "abuffer,fpc",
+             .settings = {"fpc.mode=fragments", "abuffer.mode=linked"},
+             .shuffle = 3},
+     .depth = 64},
     {.way = {.use = "stencil,ppc", .shuffle = 3}, .depth = 254},
     {.way = {.use = "stencil,ppc", .bands = 3}, .depth = 254},
     {.way = {.use = "stencil,ppc", .settings = {"stencil.payload=half"}},

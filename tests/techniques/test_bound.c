@@ -194,9 +194,9 @@ static void test_bright(void **state) {
 /* Folded as a tree, and ended early: what is not folded is lost. */
 static void test_trees(void **state) {
     static const certified_way ways[] = {
-        {"abuffer,fpc", {"abuffer.payload=float"}, 0, 100},
+        {"abuffer,fpc", {"fpc.mode=fragments", "abuffer.payload=float"}, 0, 100},
         {"abuffer,fpc", {"abuffer.mode=linked", "abuffer.payload=half"}, 0, 20},
-        {"abuffer,fpc", {"abuffer.payload=float", "fpc.threshold=0.05"}, 3, 0},
+        {"abuffer,fpc", {"fpc.mode=fragments", "fpc.threshold=0.05"}, 3, 0},
         {"abuffer,fpc", {"abuffer.payload=unorm8", "fpc.threshold=0.3"}, 0, 0},
     };
     static const oracle_case cases[] = {

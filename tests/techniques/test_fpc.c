@@ -18,6 +18,8 @@
 #include "render/render.h"
 
 #define FPC_CHUNK 64u
+#define FRAGMENTS "fpc.mode=fragments"
+#define HYBRID    "fpc.mode=hybrid"
 
 static const char *const backends[] = {"vulkan", "gl"};
 
@@ -25,14 +27,17 @@ static const char *const backends[] = {"vulkan", "gl"};
 
 static void ways_of_a_scene(const test_scene *s) {
     static const way ways[] = {
-        {.use = "abuffer,fpc"},
-        {.use = "abuffer,fpc", .bands = 7},
-        {.use = "abuffer,fpc", .shuffle = 5},
-        {.use = "abuffer,fpc", .settings = {"abuffer.mode=linked"}},
-        {.use = "abuffer,fpc", .settings = {"abuffer.mode=linked"}, .bands = 7, .shuffle = 9},
-        {.use = "abuffer,fpc", .settings = {"fpc.mode=hybrid"}},
+        {.use = "abuffer,fpc", .settings = {FRAGMENTS}},
+        {.use = "abuffer,fpc", .settings = {FRAGMENTS}, .bands = 7},
+        {.use = "abuffer,fpc", .settings = {FRAGMENTS}, .shuffle = 5},
+        {.use = "abuffer,fpc", .settings = {FRAGMENTS, "abuffer.mode=linked"}},
         {.use = "abuffer,fpc",
-         .settings = {"fpc.mode=hybrid", "abuffer.mode=linked"},
+         .settings = {FRAGMENTS, "abuffer.mode=linked"},
+         .bands = 7,
+         .shuffle = 9},
+        {.use = "abuffer,fpc"},
+        {.use = "abuffer,fpc",
+         .settings = {HYBRID, "abuffer.mode=linked"},
          .bands = 5,
          .shuffle = 3},
     };
@@ -148,15 +153,17 @@ static void check_pixel(const image_deep *deep, size_t pixel, const float *shown
 }
 
 /* Plain transparency without an opaque surface, whose samples carry no coverage of their own. */
-static void check_tree(strata *instance, const char *path, const char *setting, uint32_t size) {
+static void check_tree(strata *instance, const char *path, const char *mode, const char *layout,
+                       uint32_t size) {
+    const char *const settings[] = {mode, layout};
     strata_scene *sc = picture_scene(instance, path);
     const strata_render_options options = {.struct_size = sizeof options,
                                            .width = size,
                                            .height = size,
                                            .use = "abuffer,fpc",
                                            .outputs = STRATA_OUTPUT_DEEP,
-                                           .settings = &setting,
-                                           .setting_count = 1};
+                                           .settings = settings,
+                                           .setting_count = 2};
     if (strata_render(instance, sc, &options) != STRATA_OK)
         fail_msg("%s: %s", path, strata_error(instance));
     const render_result *result = &instance->result;
@@ -184,14 +191,15 @@ static void folds_are_those_of_the_tree(void **state) {
         {"scene:burst?mean=20&spread=0.6&width=32&height=32", 32},
         {"scene:burst?mean=20&spread=0.95&width=32&height=32", 32},
     };
-    static const char *const modes[] = {"abuffer.mode=contiguous", "abuffer.mode=linked",
-                                        "fpc.mode=hybrid"};
+    static const char *const modes[][2] = {{FRAGMENTS, "abuffer.mode=contiguous"},
+                                           {FRAGMENTS, "abuffer.mode=linked"},
+                                           {HYBRID, "abuffer.mode=contiguous"}};
     (void)state;
     for (size_t b = 0; b < 2; ++b) {
         strata *instance = picture_instance(backends[b]);
         for (size_t m = 0; instance && m < 3; ++m)
             for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
-                check_tree(instance, cases[i].path, modes[m], cases[i].size);
+                check_tree(instance, cases[i].path, modes[m][0], modes[m][1], cases[i].size);
     }
 }
 
@@ -204,15 +212,16 @@ static void equal_keys_are_sorted_by_order(void **state) {
         for (size_t i = 0; instance && i < sizeof counts / sizeof *counts; ++i) {
             char path[128];
             snprintf(path, sizeof path, "scene:stack?count=%s&alpha=0.01&merged=1", counts[i]);
-            check_tree(instance, path, "abuffer.mode=contiguous", 16);
-            check_tree(instance, path, "abuffer.mode=linked", 16);
+            check_tree(instance, path, FRAGMENTS, "abuffer.mode=contiguous", 16);
+            check_tree(instance, path, FRAGMENTS, "abuffer.mode=linked", 16);
+            check_tree(instance, path, HYBRID, "abuffer.mode=contiguous", 16);
         }
     }
 }
 
 static void check_hybrid(strata_scene *sc, strata *instance, const char *setting,
                          const picture *expected) {
-    const way w = {.use = "abuffer,fpc", .settings = {"fpc.mode=hybrid", setting}};
+    const way w = {.use = "abuffer,fpc", .settings = {HYBRID, setting}};
     picture p = picture_render(sc, instance, &w, expected->width, expected->height);
     picture_same(expected, &p, setting);
     picture_free(&p);
@@ -231,9 +240,10 @@ static void a_threshold_keeps_its_word(void **state) {
         if (!instance)
             continue;
         strata_scene *sc = picture_scene(instance, path);
-        picture exact = picture_render(sc, instance, &(way){.use = "abuffer,fpc"}, 16, 16);
+        const way all = {.use = "abuffer,fpc", .settings = {FRAGMENTS}};
+        picture exact = picture_render(sc, instance, &all, 16, 16);
         for (size_t i = 0; i < 3; ++i) {
-            const way w = {.use = "abuffer,fpc", .settings = {settings[i]}};
+            const way w = {.use = "abuffer,fpc", .settings = {FRAGMENTS, settings[i]}};
             picture p = picture_render(sc, instance, &w, 16, 16);
             double largest = 0;
             for (size_t k = 0; k < 16 * 16 * 4; ++k)
