@@ -159,6 +159,7 @@ static void another_scene_is_another_sequence(void **state) {
     assert_string_equal(first_technique(s), "abuffer");
     render_named(s, second, "orbit:90,0", 1);
     assert_string_equal(first_technique(s), "peel");
+    assert_ptr_equal(s->start.scene, second->scene);
     strata_scene_close(second);
     strata_scene *third = load(s, layers); /* may stand where the second stood */
     render_named(s, third, "orbit:0,0", 1);
@@ -315,6 +316,7 @@ static void cameras_have_poses(void **state) {
     strata_camera_pose pose = {.struct_size = sizeof pose};
     assert_int_equal(strata_scene_camera(sc, "orbit:30,20", WIDTH, HEIGHT, &pose), STRATA_OK);
     assert_int_equal(pose.struct_size, sizeof pose);
+    assert_true(fabs(pose.up[1] - cos(acos(-1.0) / 9)) < 1e-12); /* 20 degrees from upright */
     render_named(s, sc, "orbit:30,20", 0);
     const scene_view named = s->result.view;
     strata_render_options options = options_of(NULL, 0);

@@ -71,7 +71,7 @@ static void same_pose(const strata_camera_pose *a, const strata_camera_pose *b) 
     "{\"time\":0.7,\"eye\":[3,-1,0.7],\"target\":[0,1,1],\"up\":[0.3,1,0],\"yfov\":33.3},"         \
     "{\"time\":1.1,\"camera\":\"front\",\"cut\":true},"                                            \
     "{\"time\":3.3,\"eye\":[1e3,1e-3,7],\"target\":[0,0,0],\"near\":0.1,\"far\":9},"               \
-    "{\"time\":4,\"eye\":[1,2,7],\"target\":[0,0,0],\"near\":0.2,\"far\":5}]"
+    "{\"time\":4,\"eye\":[1,2,7],\"target\":[0,0,0],\"near\":0.05,\"far\":5}]"
 
 static void keys_are_exact(void **state) {
     static const char *const texts[] = {"{" KEYS "}", "{\"curve\":\"smooth\"," KEYS "}"};
@@ -80,16 +80,14 @@ static void keys_are_exact(void **state) {
         cli_path p = read_text(texts[t]);
         assert_int_equal(p.count, 5);
         for (size_t i = 0; i < p.count; i++) {
-            strata_camera_pose pose = path_pose(&p, p.keys[i].time);
-            if (i == 3) { /* near and far serve both sides */
-                assert_true(pose.near == 0.1 && pose.far == 9);
-                pose.near = p.keys[i].pose.near;
-            }
+            const strata_camera_pose pose = path_pose(&p, p.keys[i].time);
             same_pose(&pose, &p.keys[i].pose);
         }
         const strata_camera_pose before = path_pose(&p, -1e9), after = path_pose(&p, 1e9);
         same_pose(&before, &p.keys[0].pose);
         same_pose(&after, &p.keys[4].pose);
+        const strata_camera_pose between = path_pose(&p, 3.5); /* sees what either key sees */
+        assert_true(between.near == 0.05 && between.far == 9);
         path_free(&p);
     }
 }
@@ -112,6 +110,10 @@ static void cuts_are_not_blended(void **state) {
         const double a = p.keys[0].pose.eye[i], b = p.keys[1].pose.eye[i];
         assert_true(fabs(quarter.eye[i] - (a + (b - a) * 0.25)) < 1e-12);
     }
+    const strata_camera_pose behind = path_pose(&p, 2);
+    p.keys[1].pose.eye[0] = p.keys[1].pose.target[1] = 1000;
+    const strata_camera_pose same = path_pose(&p, 2);
+    same_pose(&behind, &same);
     path_free(&p);
 }
 
@@ -166,6 +168,9 @@ static void frames_span_the_path(void **state) {
     }
     assert_true(path_time(&p, 1, 3, 0) == 1.5);
     assert_true(path_time(&p, 5, 9, 10) == -0.5);
+    p.keys[0].time = -1e8; /* so that the sum of first and length is not the last */
+    p.keys[4].time = 0.1;
+    assert_true(path_time(&p, 8, 9, 0) == 0.1);
     path_free(&p);
 }
 
