@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * How much of what is opaque nobody sees: sampled triangles and the nearest points of sampled
- * objects, in one order from near to far. Triangles cover the cells of a coarse grid; an object is
- * likely hidden when its cells are covered many times over before it comes: cover that lies at
- * random leaves exp(-cover) of a cell open.
+ * objects, in one order from near to far. Triangles cover the cells of a coarse grid. Cover n times
+ * over, of pieces that lie at random, leaves exp(-n) of a cell open; an object is hidden when all
+ * of it is, which takes (1 + sqrt(its area / that of a piece))^2 pieces.
  */
 #include "plan/estimate.h"
 
@@ -20,7 +20,8 @@
 
 typedef struct event {
     double depth;  /* grows with the distance */
-    double weight; /* triangle: pixels it covers, in all that it stands for; object: triangles */
+    double weight; /* triangle: cells it covers, in all that it stands for; object: triangles */
+    double area;   /* cells, of itself */
     double x0, y0, x1, y1; /* cells, inclusive */
     uint32_t object;       /* 0: a triangle */
 } event;
@@ -34,6 +35,12 @@ typedef struct work {
     uint32_t count;
     double outside; /* triangles of objects that the view does not hold */
 } work;
+
+typedef struct cell {
+    double cover, pieces; /* times; of these, cover times area */
+} cell;
+
+#define NDC_TO_CELLS (CELLS * CELLS / 4.0) /* areas */
 
 static int is_counted(const work *w, const scene_instance *instance) {
     const scene_mesh *mesh = &w->s->meshes[instance->mesh];
@@ -79,7 +86,7 @@ static void add_triangle(work *w, const scene_mesh *mesh, uint32_t triangle, dou
             return;
         x[i] = clip[0] / clip[3];
         y[i] = clip[1] / clip[3];
-        depth += 1.0 - clip[2] / clip[3];
+        depth = fmax(depth, 1.0 - clip[2] / clip[3]); /* it hides what lies behind all of it */
     }
     double middle_x = (x[0] + x[1] + x[2]) / 3.0, middle_y = (y[0] + y[1] + y[2]) / 3.0;
     double area = 0.5 * fabs((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]));
@@ -88,7 +95,8 @@ static void add_triangle(work *w, const scene_mesh *mesh, uint32_t triangle, dou
     if (!w->s->materials[mesh->material].double_sided)
         area *= 0.5; /* one of a closed surface's two sides is not drawn */
     event *e = &w->events[w->count++];
-    *e = (event){.depth = depth / 3.0, .weight = area * weight * (CELLS * CELLS / 4.0)};
+    *e = (event){
+        .depth = depth, .weight = area * weight * NDC_TO_CELLS, .area = area * NDC_TO_CELLS};
     e->x0 = cell_of(fmin(fmin(x[0], x[1]), x[2]));
     e->x1 = cell_of(fmax(fmax(x[0], x[1]), x[2]));
     e->y0 = cell_of(fmin(fmin(y[0], y[1]), y[2]));
@@ -117,6 +125,7 @@ static void add_object(work *w, const double lower[3], const double upper[3], do
     }
     w->events[w->count++] = (event){.depth = 1.0 - high[2],
                                     .weight = triangles,
+                                    .area = (high[0] - low[0]) * (high[1] - low[1]) * NDC_TO_CELLS,
                                     .x0 = cell_of(low[0]),
                                     .x1 = cell_of(high[0]),
                                     .y0 = cell_of(low[1]),
@@ -178,27 +187,39 @@ static int by_depth(const void *a, const void *b) {
     return (int)right->object - (int)left->object; /* an object before its own triangles */
 }
 
+/* Of an object in the least covered of its cells. */
+static double hidden_chance(const cell *c, const event *object) {
+    if (!(c->cover > 0.0))
+        return 0.0;
+    const double pieces = 1.0 + sqrt(object->area * c->cover / c->pieces);
+    return pow(1.0 - exp(-c->cover), pieces * pieces);
+}
+
 static void go_through(work *w, strata_scene_stats *stats) {
-    double cover[CELLS][CELLS] = {{0.0}};
+    cell cells[CELLS][CELLS] = {{{0.0, 0.0}}};
     const double pixels = (double)w->view->width * (double)w->view->height / (CELLS * CELLS);
     qsort(w->events, w->count, sizeof *w->events, by_depth);
     for (uint32_t i = 0; i < w->count; i++) {
         const event *e = &w->events[i];
-        const double cells = (e->x1 - e->x0 + 1.0) * (e->y1 - e->y0 + 1.0);
-        double least = HUGE_VAL;
+        const double cover = e->weight / ((e->x1 - e->x0 + 1.0) * (e->y1 - e->y0 + 1.0));
+        const cell *least = &cells[(int)e->y0][(int)e->x0];
         for (int y = (int)e->y0; y <= (int)e->y1; y++)
             for (int x = (int)e->x0; x <= (int)e->x1; x++) {
-                least = fmin(least, cover[y][x]);
-                if (!e->object)
-                    cover[y][x] += e->weight / cells;
+                cell *c = &cells[y][x];
+                if (c->cover < least->cover)
+                    least = c;
+                if (e->object)
+                    continue;
+                c->cover += cover;
+                c->pieces += cover * e->area;
             }
         if (e->object)
-            stats->hidden_triangles += e->weight * (1.0 - exp(-least));
+            stats->hidden_triangles += e->weight * hidden_chance(least, e);
     }
     /* Of n fragments in random order ln n and a half come before all that are nearer. */
     for (int y = 0; y < CELLS; y++)
         for (int x = 0; x < CELLS; x++)
-            stats->opaque_overdraw += pixels * log1p(cover[y][x]);
+            stats->opaque_overdraw += pixels * log1p(cells[y][x].cover);
 }
 
 strata_result estimate_hidden(const scene *s, const estimate_view *view,

@@ -120,6 +120,24 @@ static const modules_technique_note techniques[] = {
      SLOTS(SLOT(UPDATES, "draws.opaque/1", 0, 0), SLOT(UPDATES, "draws.transparent/1", 0, 0),
            SLOT(CONSUMES, "depth/1", 0, 0)),
      COST(0)},
+    {.id = "cull", /* objects, by the depth of the first round */
+     .stage = "draws",
+     SLOTS(SLOT(UPDATES, "draws.opaque/1", 0, 0), SLOT(UPDATES, "objects/1", 0, 0),
+           SLOT(CONSUMES, "depth/1", 0, 0)),
+     .cost = &(const strata_cost_model){.struct_size = sizeof(strata_cost_model),
+                                        .frame = 1000,
+                                        .per_object = 9}},
+    {.id = "frustum", /* objects, by the view alone */
+     .stage = "draws",
+     SLOTS(SLOT(UPDATES, "draws.opaque/1", 0, 0), SLOT(UPDATES, "objects/1", 0, 0)),
+     .cost = &(const strata_cost_model){.struct_size = sizeof(strata_cost_model), .per_object = 1}},
+    {.id = "painter",
+     .stage = "surface",
+     SLOTS(SLOT(CONSUMES, "draws.opaque/1", 0, 0), SLOT(UPDATES, "color/1", 0, 0),
+           SLOT(UPDATES, "depth/1", 0, 0)),
+     .cost = &(const strata_cost_model){.struct_size = sizeof(strata_cost_model),
+                                        .per_triangle = 2,
+                                        .per_fragment = 10}},
     {.id = "facesort",
      .stage = "draws",
      SLOTS(SLOT(UPDATES, "draws.transparent/1", 0, 0)),
@@ -373,6 +391,13 @@ void kit_scene(const char *letters, demand *d, strata_scene_stats *stats) {
     if (strchr(letters, 'o')) {
         stats->opaque_draws = 2;
         stats->opaque_triangles = 20;
+    }
+    if (strpbrk(letters, "cv")) {
+        stats->opaque_triangles = 20000;
+        stats->opaque_objects = 1000;
+        stats->hidden_triangles = strchr(letters, 'c') ? 9000 : 100;
+        stats->outside_triangles = 1000;
+        stats->opaque_overdraw = 100;
     }
     if (strpbrk(letters, "btefu")) {
         stats->transparent_draws = 4;

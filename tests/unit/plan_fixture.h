@@ -25,7 +25,9 @@ void kit_make(kit *k, const char *ids);
     "transmission"
 
 /* What a scene holds, in letters: o opaque, b BLEND, t transmission, e two emissive, f one, u
- * unlit; d for a depth of 300 instead of 10, h for a mean depth of a hundred, l for four lights. Whatever is transparent has 1,000 fragments. */
+ * unlit; d for a depth of 300 instead of 10, h for a mean depth of a hundred, l for four lights; c for a
+ * thousand opaque objects of which half are hidden or outside, v for as many that are seen. Whatever is
+ * transparent has 1,000 fragments. */
 void kit_scene(const char *letters, demand *d, strata_scene_stats *stats);
 
 /* What is asked of a plan: rows of tables begin with FOR(installed, scene). */

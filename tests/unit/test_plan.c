@@ -67,6 +67,15 @@ static void techniques_run_in_order(void **state) {
         {{FOR("peel fpc abuffer over", "b"), .settings = {"peel.layers=5"}, .tolerance = 0.1},
          "peel"},
         {{FOR("peel abuffer ppc media", "e"), .settings = {"peel.mode=dual"}}, "abuffer ppc"},
+        /* what is hidden or outside decides: 20,000 * share * 2 + 1,000 * share against 10,000 */
+        {{FOR("cull painter", "oc")}, "cull painter"},
+        {{FOR("cull painter", "ov")}, "painter"},
+        {{FOR("cull painter", "o")}, "painter"},
+        {{FOR("cull surface", "oc")}, "surface"}, /* a triangle costs nothing there */
+        {{FOR("cull painter", "oc"), .use = "painter"}, "painter"},
+        {{FOR("cull painter", "ov"), .use = "cull"}, "cull painter"},
+        {{FOR("frustum painter", "oc")}, "frustum painter"},
+        {{FOR("cull frustum painter", "oc")}, "cull painter"}, /* one is enough */
         /* what a clip technique hides decides */
         {{FOR("occupancy slowk ppc over", "bh"), .tolerance = 0.01}, "occupancy slowk ppc"},
         {{FOR("occupancy slowk ppc over", "b"), .tolerance = 0.01}, "slowk ppc"},  /* not deep */
@@ -278,6 +287,19 @@ static void everything_has_its_reason(void **state) {
          "pass",
          "it holds 100 fragments a pixel, and about 300 are expected"},
         {{FOR(ALL, "ob")}, "hiz", "not named in --use"},
+        {{FOR("cull painter", "oc")},
+         "cull",
+         "of the triangles of 1,000 opaque objects about 50 % are hidden or outside: that saves "
+         "2e+04 "
+         "blended fragments and costs 1e+04"},
+        {{FOR("cull painter", "ov"), .use = "painter"},
+         "cull",
+         "not named in --use; of the triangles of 1,000 opaque objects about 6 % would be hidden "
+         "or "
+         "outside: that saves 2.3e+03 blended fragments and costs 1e+04"},
+        {{FOR("cull painter", "o")},
+         "cull",
+         "0 opaque objects: too few to be culled, or none is hidden"},
         {{FOR(ALL, "ob")},
          "occupancy",
          "it hides what lies behind the nearest k fragments, and stencil keeps all"},
