@@ -201,6 +201,7 @@ static void pools_of_opaque_techniques_grow(void **state) {
     static const char *const backends[] = {"vulkan", "gl"};
     strata_render_options banded = small;
     banded.bands = 3;
+    banded.use = "surface,abuffer,ppc";
     (void)state;
     for (size_t b = 0; b < BASE_COUNT(backends); ++b) {
         strata *s = open_on(backends[b]);
