@@ -5,8 +5,9 @@
  *   tally -> plan -> rank   ranks for pixels that have fragments, ranges of elements and of chunks
  *   expand | append         an element (rank, key) for each fragment
  *   digits, count, scatter  radix sort, 8 bits a pass; mend: short runs of equal keys, by order
- *   fold -> join ..         each pixel's fold as a tree of fixed shape
- *   filter                  weighted sums of sub-pixels, where it fills image/1
+ *   runs -> merge ..        instead, in the hybrid: sorted runs of 32, merged where none is too
+ * deep fold -> join ..         each pixel's fold as a tree of fixed shape filter weighted sums of
+ * sub-pixels, where it fills image/1
  *
  * Work items are elements, streams of elements and chunks of fragments, never pixels: the time
  * depends on the number of fragments and not on where they lie. The hybrid leaves pixels of one
@@ -21,7 +22,11 @@
 #include <stddef.h>
 #include <string.h>
 
-enum { PIXELS_PER_GROUP = 16 * 64, DIGIT_BITS = 8, CHUNK = 64 };
+enum { PIXELS_PER_GROUP = 16 * 64, DIGIT_BITS = 8, CHUNK = 64, RUN = 32 };
+
+/* The hybrid merges sorted runs where no pixel has more fragments; beyond, the radix sort is ahead.
+ */
+enum { MERGED_LARGEST = 2048 };
 
 /* Mirrors FPC_TABLE in table.glsl. */
 typedef struct table {
@@ -45,13 +50,15 @@ typedef struct fpc {
     strata_pool ranked, element, counter, block, joint, rank;
     strata_program tally_program, plan_program, rank_program, expand_program[2], digits_program,
         count_program[2][2], sums_program, blocks_program, offsets_program, scatter_program[2][2],
-        mend_program, fold_program, join_program; /* [side][by_order] */
-    classes classes;                              /* hybrid: pixels of at most 64 fragments */
+        mend_program, runs_program[2], merge_program[2], fold_program,
+        join_program; /* [side][by_order] */
+    classes classes;  /* hybrid: pixels of at most 64 fragments */
     filtering filtering;
     uint32_t hybrid, filters; /* filters: it fills image/1 */
     float threshold;
-    uint32_t by_order;       /* 1: some frame had long runs of equal keys */
-    uint32_t passes, levels; /* of the sort and of joining that are recorded */
+    uint32_t by_order;               /* 1: some frame had long runs of equal keys */
+    uint32_t beyond;                 /* 1: some frame had pixels too deep to be merged */
+    uint32_t passes, merges, levels; /* of sorting, merging and joining that are recorded */
 } fpc;
 
 static strata_result create(void *state, const strata_host *host, const strata_gpu *gpu) {
@@ -122,6 +129,12 @@ static strata_result prepare_programs(fpc *f) {
             r = create_program(f, &(source){&f->expand_program[side], linked ? "append" : "expand",
                                             linked ? &append_comp_glsl : &expand_comp_glsl, 1, side,
                                             0});
+        if (r == STRATA_OK && order == 0)
+            r = create_program(
+                f, &(source){&f->runs_program[side], "runs", &runs_comp_glsl, 1, side, 0});
+        if (r == STRATA_OK && order == 0)
+            r = create_program(
+                f, &(source){&f->merge_program[side], "merge", &merge_comp_glsl, 1, side, 0});
     }
     return r;
 }
@@ -271,7 +284,26 @@ static void record_ranks(const fpc *f, const strata_frame *frame) {
     run(f, frame, &pixels, &(step){"rank", f->rank_program, .direct = groups});
 }
 
-/* The copy that the sort begins with is chosen so that it ends in copy 0. */
+/* Pixels are sorted by merging runs, not by the radix sort of all. */
+static int is_merging(const fpc *f) {
+    return f->hybrid && f->fragments->layout == STRATA_FRAGMENTS_CONTIGUOUS && !f->beyond;
+}
+
+/* The copy of the slots that a sort begins with is chosen so that it ends in copy 0. */
+static void record_merges(const fpc *f, const strata_frame *frame) {
+    const uint64_t chunks = offsetof(table, chunk_groups);
+    const uint32_t side = f->merges & 1u;
+    binds b = common(f);
+    binds_pool(&b, f->ranked);
+    binds_pool(&b, f->element);
+    binds_buffer(&b, "StrataRanges", f->fragments->ranges);
+    run(f, frame, &b, &(step){"runs", f->runs_program[side], .indirect = chunks});
+    for (uint32_t i = 0; i < f->merges; ++i)
+        run(f, frame, &b,
+            &(step){"merge", f->merge_program[(side + i) & 1u], .indirect = chunks,
+                    .params = PARAM((uint32_t)RUN << i)});
+}
+
 static void record_sort(const fpc *f, const strata_frame *frame) {
     const uint64_t elements = offsetof(table, element_groups),
                    streams = offsetof(table, stream_groups),
@@ -329,7 +361,10 @@ static void record(void *state, const strata_frame *frame) {
         classes_record_lists(&f->classes, frame, &(binds){.count = 0});
         classes_record_folds(&f->classes, frame);
     }
-    record_sort(f, frame);
+    if (is_merging(f))
+        record_merges(f, frame);
+    else
+        record_sort(f, frame);
     record_fold(f, frame);
     if (f->filters && frame->band + 1 == frame->band_count)
         filtering_record(&f->filtering, frame);
@@ -351,6 +386,32 @@ static uint32_t levels_of(uint32_t largest) {
     for (; nodes > 1; nodes = (nodes + CHUNK - 1) / CHUNK)
         ++levels;
     return levels;
+}
+
+/* Merges of runs until the largest pixel is one. */
+static uint32_t merges_of(uint32_t largest) {
+    uint32_t merges = 0;
+    while (((uint64_t)RUN << merges) < largest)
+        ++merges;
+    return merges;
+}
+
+/* Whether what sorts is missing; it is recorded from now on. */
+static int learn_sort(fpc *f, const table *t) {
+    if (is_merging(f)) {
+        const uint32_t merges = merges_of(t->largest);
+        const int missing = merges > f->merges;
+        f->beyond = t->largest > MERGED_LARGEST;
+        f->merges = missing && !f->beyond ? merges : f->merges;
+        return missing || f->beyond;
+    }
+    const uint32_t by_order = f->by_order | t->long_ties;
+    const uint32_t order_bits = by_order ? bits_of(t->last - ~t->inverse_first) : 0;
+    const uint32_t passes = (t->key_bits + t->rank_bits + order_bits + DIGIT_BITS - 1) / DIGIT_BITS;
+    const int missing = by_order != f->by_order || passes > f->passes;
+    f->by_order = by_order;
+    f->passes = passes > f->passes ? passes : f->passes;
+    return missing;
 }
 
 /* Whether networks are missing; those that some pixel needs are recorded from now on. */
@@ -382,16 +443,10 @@ static strata_result verify(void *state, const strata_frame *frame) {
                   t.largest > largest ? t.largest : largest);
     if (t.elements == 0)
         return missing ? STRATA_RETRY : STRATA_OK;
-    const uint32_t by_order = f->by_order | t.long_ties;
-    const uint32_t order_bits = by_order ? bits_of(t.last - ~t.inverse_first) : 0;
-    const uint32_t passes = (t.key_bits + t.rank_bits + order_bits + DIGIT_BITS - 1) / DIGIT_BITS;
     const uint32_t levels = levels_of(t.largest);
-    if (!missing && by_order == f->by_order && passes <= f->passes && levels <= f->levels)
-        return STRATA_OK;
-    f->by_order = by_order;
-    f->passes = passes > f->passes ? passes : f->passes;
+    missing |= learn_sort(f, &t) | (levels > f->levels);
     f->levels = levels > f->levels ? levels : f->levels;
-    return STRATA_RETRY;
+    return missing ? STRATA_RETRY : STRATA_OK;
 }
 
 static void destroy(void *state) {

@@ -183,6 +183,8 @@ static void folds_are_those_of_the_tree(void **state) {
         {"scene:layers?count=65&alpha=0.02", 16},
         {"scene:layers?count=128&alpha=0.01", 16},
         {"scene:layers?count=129&alpha=0.01", 16},
+        {"scene:layers?count=2048&alpha=0.001&where=pixel&width=16&height=16", 16},
+        {"scene:layers?count=2049&alpha=0.001&where=pixel&width=16&height=16", 16},
         {"scene:layers?count=4096&alpha=0.0005&where=pixel&width=16&height=16", 16},
         {"scene:layers?count=4097&alpha=0.0005&where=pixel&width=16&height=16", 16},
         {"scene:layers?count=20000&alpha=0.0001&where=pixel&width=16&height=16", 16},
