@@ -89,8 +89,9 @@ typedef struct gpu_native_pass {
     void *depth;
     uint32_t width, height; /* of the target */
     uint32_t scissor[4]; /* x, y, width, height; may be empty. Loads clear the whole attachment */
-    void *commands, *count, *indices; /* draws; count may be NULL */
+    void *commands, *count, *indices; /* draws; min(count, draw_capacity) of the commands */
     uint32_t draw_capacity;
+    uint32_t counted; /* 1: by the GPU; 0: count is draw_capacity */
     void *indirect; /* dispatch */
     uint32_t timed; /* index of its timing + 1, or 0 */
 } gpu_native_pass;

@@ -106,7 +106,7 @@ typedef struct gpu_program_state {
 
 typedef struct gpu_draws_state {
     strata_buffer commands, count, indices;
-    uint32_t capacity;
+    uint32_t capacity, counted;
 } gpu_draws_state;
 
 struct gpu_object {

@@ -406,6 +406,18 @@ strata_result gpu_image_size(const gpu *g, strata_image image, uint32_t *width, 
 
 /* ---- draws ---------------------------------------------------------------------------------- */
 
+/* All draws have a count: Mesa 22.3 (lavapipe and llvmpipe) goes on with the count of an earlier
+ * draw in those that have none. */
+static strata_result make_count(gpu_scope *scope, uint32_t capacity, strata_buffer *out,
+                                base_error *err) {
+    return gpu_buffer_create(scope,
+                             &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
+                                                   .label = "draw count",
+                                                   .size = sizeof capacity,
+                                                   .data = &capacity},
+                             out, err);
+}
+
 strata_result gpu_draws_create(gpu_scope *scope, const gpu_draws_desc *desc, strata_draws *out,
                                base_error *err) {
     gpu *g = scope->device;
@@ -424,13 +436,18 @@ strata_result gpu_draws_create(gpu_scope *scope, const gpu_draws_desc *desc, str
     if ((uint64_t)desc->capacity * 20 > commands->buffer.size)
         return gpu_fail(g, err, GPU_ERROR_BUFFER_RANGE, "%u commands in '%s'", desc->capacity,
                         commands->label);
+    strata_buffer count = desc->count;
+    strata_result result = count.id ? STRATA_OK : make_count(scope, desc->capacity, &count, err);
+    if (result != STRATA_OK)
+        return result;
     gpu_object *object = gpu_object_new(scope, GPU_DRAWS, "draws");
     if (!object)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "no memory for draws");
     object->draws = (gpu_draws_state){.commands = desc->commands,
-                                      .count = desc->count,
+                                      .count = count,
                                       .indices = desc->indices,
-                                      .capacity = desc->capacity};
+                                      .capacity = desc->capacity,
+                                      .counted = desc->count.id != 0};
     out->id = object->id;
     return STRATA_OK;
 }

@@ -259,13 +259,11 @@ static int take_draws(pass_context *c) {
     c->native.commands = commands->buffer.storage->native;
     c->native.indices = indices->buffer.storage->native;
     c->native.draw_capacity = state->capacity;
-    if (state->count.id) {
-        const gpu_object *count =
-            use_buffer(c, state->count, "count of draws", GPU_ACCESS_INDIRECT);
-        if (!count)
-            return 0;
-        c->native.count = count->buffer.storage->native;
-    }
+    c->native.counted = state->counted;
+    const gpu_object *count = use_buffer(c, state->count, "count of draws", GPU_ACCESS_INDIRECT);
+    if (!count)
+        return 0;
+    c->native.count = count->buffer.storage->native;
     return 1;
 }
 

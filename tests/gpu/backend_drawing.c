@@ -91,6 +91,29 @@ static void test_multi_draw(void **state) {
         assert_int_equal(found[i], 0);
 }
 
+/* A count is that of its draw alone. */
+static void test_draws_after_counted_ones(void **state) {
+    rig *r = backend_rig(state);
+    const command commands[] = {{6, 2, 1, 0, 1}, {6, 1, 1, 0, 3}, {6, 1, 1, 0, 0}};
+    const uint32_t all[4] = {1000, 2000, 3000, 4000}, none = 0;
+    uint32_t found[TEXELS];
+    place(r, cells, 4);
+    strata_image image = rig_image(r, "ids", STRATA_FORMAT_R32U, SIZE, SIZE, 0);
+    const strata_attachment target = backend_attach(image, STRATA_LOAD_CLEAR, STRATA_BLEND_NONE);
+    strata_pass pass = {.program = rig_program(r, STRATA_PROGRAM_SCENE, id_shader),
+                        .draws = make_draws(r, commands, 3, rig_buffer(r, "count", 4, &none)),
+                        .color = &target,
+                        .color_count = 1};
+    const strata_draws uncounted = make_draws(r, commands, 3, (strata_buffer){0});
+    gpu_begin(r->g, SIZE, SIZE);
+    rig_pass(r, pass);
+    pass.draws = uncounted;
+    rig_pass(r, pass);
+    rig_submit(r);
+    rig_texels(r, image, 0, found, sizeof found);
+    check_cells(found, all);
+}
+
 /* Devices may take few draws at a time; a counted draw cannot be split. */
 static void test_draw_limit(void **state) {
     rig *r = backend_rig(state);
@@ -382,6 +405,7 @@ static void test_soup(void **state) {
 
 const struct CMUnitTest drawing_tests[] = {
     cmocka_unit_test(test_multi_draw),
+    cmocka_unit_test(test_draws_after_counted_ones),
     cmocka_unit_test(test_draw_limit),
     cmocka_unit_test(test_facing_and_culling),
     cmocka_unit_test(test_depth),

@@ -313,7 +313,7 @@ static void absent_streams_cost_nothing(void **state) {
     scene *s = three_instances(); /* unlit, with normals and uv that nothing reads */
     drawing d = stage_draw(g, s, small);
     uint64_t vertices = s->meshes[0].vertex_count;
-    uint64_t expected = vertices * 12 + 6 * 4 + 3 * 96 + 80 + 20;
+    uint64_t expected = vertices * 12 + 6 * 4 + 3 * 96 + 80 + 20 + 4;
     assert_int_equal(upload_bytes(d.u), expected);
     assert_int_equal(gpu_bytes(g, "scene"), expected);
     drawing_free(&d);

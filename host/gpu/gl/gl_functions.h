@@ -78,7 +78,6 @@
     X(LINKPROGRAM, LinkProgram)                                                                    \
     X(MAPNAMEDBUFFERRANGE, MapNamedBufferRange)                                                    \
     X(MEMORYBARRIER, MemoryBarrier)                                                                \
-    X(MULTIDRAWELEMENTSINDIRECT, MultiDrawElementsIndirect)                                        \
     X(NAMEDBUFFERSTORAGE, NamedBufferStorage)                                                      \
     X(NAMEDBUFFERSUBDATA, NamedBufferSubData)                                                      \
     X(NAMEDFRAMEBUFFERDRAWBUFFERS, NamedFramebufferDrawBuffers)                                    \

@@ -237,14 +237,9 @@ static void draw(gl *g, const gpu_native_pass *native) {
     }
     g->fn.VertexArrayElementBuffer(g->vertex_array, indices->name);
     g->fn.BindBuffer(GL_DRAW_INDIRECT_BUFFER, commands->name);
-    if (count) {
-        g->fn.BindBuffer(GL_PARAMETER_BUFFER, count->name);
-        g->fn.MultiDrawElementsIndirectCount(GL_TRIANGLES, GL_UNSIGNED_INT, NULL, 0,
-                                             (GLsizei)native->draw_capacity, stride);
-    } else if (native->draw_capacity > 0) {
-        g->fn.MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, NULL,
-                                        (GLsizei)native->draw_capacity, stride);
-    }
+    g->fn.BindBuffer(GL_PARAMETER_BUFFER, count->name);
+    g->fn.MultiDrawElementsIndirectCount(GL_TRIANGLES, GL_UNSIGNED_INT, NULL, 0,
+                                         (GLsizei)native->draw_capacity, stride);
 }
 
 /* llvmpipe forgets what fragments wrote to storage when, before its scene is flushed, an opaque

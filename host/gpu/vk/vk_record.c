@@ -248,20 +248,17 @@ static void draw_scene(vk *v, VkCommandBuffer commands, const gpu_native_pass *p
     const uint32_t most = v->limits.maxDrawIndirectCount;
     vkCmdBindIndexBuffer(commands, ((const vk_buffer *)pass->indices)->handle, 0,
                          VK_INDEX_TYPE_UINT32);
-    if (pass->count && pass->draw_capacity > most) {
+    if (pass->counted && pass->draw_capacity > most) {
         base_fail(&v->failure, STRATA_ERROR_UNSUPPORTED,
                   "vulkan: %u counted draws are more than the device's %u", pass->draw_capacity,
                   most);
-    } else if (pass->count) {
-        vkCmdDrawIndexedIndirectCount(commands, draws, 0, ((const vk_buffer *)pass->count)->handle,
-                                      0, pass->draw_capacity, stride);
-    } else {
-        for (uint32_t first = 0; first < pass->draw_capacity;) {
-            const uint32_t left = pass->draw_capacity - first;
-            const uint32_t now = left < most ? left : most;
-            vkCmdDrawIndexedIndirect(commands, draws, (VkDeviceSize)first * stride, now, stride);
-            first += now;
-        }
+        return;
+    }
+    for (uint32_t first = 0; first < pass->draw_capacity;) {
+        const uint32_t left = pass->draw_capacity - first, now = left < most ? left : most;
+        vkCmdDrawIndexedIndirectCount(commands, draws, (VkDeviceSize)first * stride,
+                                      ((const vk_buffer *)pass->count)->handle, 0, now, stride);
+        first += now;
     }
 }
 
