@@ -19,11 +19,13 @@
 #include "certificates.glsl"
 #endif
 
+const uint HIZ_KEEP = 0u, HIZ_NONE = 1u, HIZ_ALL = 2u, HIZ_RANDOM = 3u; // history
+
 layout(std430) writeonly buffer Marks { uint marks[]; };
 layout(std430) buffer Seen { uint ever, seen[]; }; // in the last frame; ever: there was one
 STRATA_PARAMS {
     uint count, taps;
-    uvec2 reserved;
+    uint history, frame; // HIZ_KEEP ..; number of the frame
     uvec4 offsets[4]; // of the levels of the pyramid
 } params;
 
@@ -67,6 +69,19 @@ bool is_large(Extent e) {
     return size.x * size.y >= max(frame.x * frame.y / PARTS, 1);
 }
 
+#ifdef HIZ_FIRST
+bool was_seen(uint item, Extent e) {
+    if (params.history == HIZ_RANDOM) {
+        uint h = (item ^ params.frame * 0x9e3779b9u) * 0x85ebca6bu;
+        h = (h ^ h >> 15) * 0xc2b2ae35u;
+        return (h ^ h >> 13) >> 31 != 0u;
+    }
+    if (params.history != HIZ_KEEP)
+        return params.history == HIZ_ALL;
+    return ever != 0u ? seen[item] != 0u : is_large(e);
+}
+#endif
+
 uint judge(uint item, Extent e) {
     if (e.outside)
         return STRATA_OUTSIDE;
@@ -77,7 +92,7 @@ uint judge(uint item, Extent e) {
 #if defined(HIZ_FRUSTUM)
     return STRATA_KEPT;
 #elif defined(HIZ_FIRST)
-    return (ever != 0u ? seen[item] != 0u : is_large(e)) ? STRATA_KEPT : STRATA_OCCLUDED;
+    return was_seen(item, e) ? STRATA_KEPT : STRATA_OCCLUDED;
 #elif defined(HIZ_SECOND)
     return hidden(item, e) ? STRATA_OCCLUDED : STRATA_APPEARED;
 #else

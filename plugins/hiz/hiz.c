@@ -19,7 +19,7 @@
 #include <string.h>
 
 enum { MAX_LEVELS = 16, CHUNK = 32 }; /* CHUNK: as in marks.glsl */
-enum { KNOB_MODE, KNOB_TAPS, KNOB_CERTIFY };
+enum { KNOB_MODE, KNOB_TAPS, KNOB_CERTIFY, KNOB_HISTORY };
 enum { MODE_TWO_PHASE, MODE_FRUSTUM };
 enum { FIRST, SECOND, LAST, ROUNDS }; /* opaque, opaque, transparent */
 
@@ -29,7 +29,7 @@ enum { UNTESTED, KEPT, APPEARED, TOO_NEAR, OUTSIDE, SLIPPED, OCCLUDED, STATES };
 typedef struct hiz {
     const strata_gpu *gpu;
     uint32_t count; /* objects; 0: nothing to do */
-    uint32_t frustum, transparent, taps, certify;
+    uint32_t frustum, transparent, taps, certify, history;
     uint32_t levels, offsets[MAX_LEVELS]; /* levels 1 .. levels of the pyramid begin there */
     uint32_t width, height;
     strata_image depth;
@@ -51,7 +51,7 @@ static strata_result program(const hiz *h, const char *label, const strata_glsl 
                              const char *const *defines, uint32_t define_count,
                              strata_program *out) {
     static const strata_glsl *const includes[] = {&certificates_glsl, &extent_glsl, &marks_glsl,
- &pyramid_glsl, NULL};
+                                                  &pyramid_glsl, NULL};
     return h->gpu->program_create(h->gpu->self,
                                   &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
                                                          .kind = STRATA_PROGRAM_COMPUTE,
@@ -143,6 +143,7 @@ static strata_result prepare(void *state, const strata_view *view) {
         return STRATA_OK;
     h->frustum = view->settings->values[KNOB_MODE] == MODE_FRUSTUM;
     h->taps = (uint32_t)view->settings->values[KNOB_TAPS];
+    h->history = (uint32_t)view->settings->values[KNOB_HISTORY];
     h->certify = !h->frustum && view->settings->values[KNOB_CERTIFY] > 0;
     h->transparent = view->stats->transparent_draws > 0;
     h->width = view->width;
@@ -196,8 +197,9 @@ static void record_pyramid(const hiz *h, const strata_frame *frame) {
 
 static void record_cull(const hiz *h, const strata_frame *frame, uint32_t round) {
     struct {
-        uint32_t count, taps, reserved[2], offsets[MAX_LEVELS];
-    } params = {.count = h->count, .taps = h->taps};
+        uint32_t count, taps, history, frame, offsets[MAX_LEVELS];
+    } params = {
+        .count = h->count, .taps = h->taps, .history = h->history, .frame = (uint32_t)frame->index};
     memcpy(params.offsets, h->offsets, sizeof params.offsets);
     binds b = {.count = 0};
     binds_buffer(&b, "Marks", h->marks);
@@ -346,10 +348,19 @@ static const strata_knob taps = {.struct_size = sizeof(strata_knob),
 static const strata_knob certify = {.struct_size = sizeof(strata_knob),
                                     .type = STRATA_KNOB_INT,
                                     .name = "certify",
-                                    .title = "1: each hidden object gets a certificate, which is held "
-                                             "against every pixel of the final depth",
+                                    .title =
+                                        "1: each hidden object gets a certificate, which is held "
+                                        "against every pixel of the final depth",
                                     .maximum = 1};
-static const strata_knob *const knobs[] = {&mode, &taps, &certify};
+static const char *const history_choices[] = {"keep", "none", "all", "random", NULL};
+static const strata_knob history = {.struct_size = sizeof(strata_knob),
+                                    .type = STRATA_KNOB_CHOICE,
+                                    .name = "history",
+                                    .title = "for tests: what the last frame is said to have seen; "
+                                             "the image does not depend on it",
+                                    .maximum = 3,
+                                    .choices = history_choices};
+static const strata_knob *const knobs[] = {&mode, &taps, &certify, &history};
 
 static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),
@@ -372,7 +383,7 @@ static const strata_technique technique = {
     .slots = slots,
     .slot_count = 4,
     .knobs = knobs,
-    .knob_count = 3,
+    .knob_count = 4,
     .promises = &promises,
     .cost = &cost,
     .estimate = estimate,
