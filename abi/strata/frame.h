@@ -120,6 +120,11 @@ typedef struct strata_view {
 #define STRATA_REPORT_OBJECTS_OCCLUDED 8u /* not drawn, hidden by others */
 #define STRATA_REPORT_OBJECTS_LATE 9u     /* drawn in a later round than the first */
 #define STRATA_REPORT_OBJECTS_CERTIFIED 10u /* hidden, and checked to be so against the final depth */
+/* Of techniques that check whether others culled right. */
+#define STRATA_REPORT_OBJECTS_VISIBLE 11u  /* a fragment is level with the opaque depth, or nearer */
+#define STRATA_REPORT_OBJECTS_WRONG 12u    /* visible, and not drawn */
+#define STRATA_REPORT_OBJECTS_OVERSHOT 13u /* not drawn, and visible only by a fragment that was
+                                              interpolated nearer than any vertex */
 
 /* Owned by the host, valid during record() or verify() only. record() is called once for each round
  * of each band; verify() once for each band after the GPU has finished that band. Stages draws,

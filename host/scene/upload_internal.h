@@ -82,7 +82,7 @@ typedef struct upload_object {
     float lower[3];
     uint32_t flags;
     float upper[3];
-    uint32_t first_index, index_count, reserved[3];
+    uint32_t first_index, index_count, clusters, reserved[2];
 } upload_object;
 _Static_assert(sizeof(upload_object) == 48, "StrataObject");
 

@@ -124,7 +124,8 @@ upload_object upload_make_object(const upload *u, const scene_mesh *mesh, const 
     const upload_cluster *cluster = &u->clusters[layout->first_cluster + number];
     const int whole = layout->cluster_count == 1;
     upload_object object = {.first_index = cluster->first_index,
-                            .index_count = cluster->index_count};
+                            .index_count = cluster->index_count,
+                            .clusters = layout->cluster_count - number};
     memcpy(object.lower, whole ? mesh->lower : cluster->lower, sizeof object.lower);
     memcpy(object.upper, whole ? mesh->upper : cluster->upper, sizeof object.upper);
     if (layout->transparent)

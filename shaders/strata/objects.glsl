@@ -18,7 +18,8 @@ struct StrataObject {
     vec3 upper;
     uint first_index;
     uint index_count;
-    uint reserved[3];
+    uint clusters; // of its instance, from this one on; draws of all name the first one's record
+    uint reserved[2];
 };
 
 layout(std430) readonly buffer StrataObjects { StrataObject strata_objects[]; };

@@ -58,6 +58,9 @@ layout(location = 11) flat in uvec4 strata_in_more_textures;
 const uvec4 strata_in_textures = uvec4(STRATA_NO_INDEX);
 const uvec4 strata_in_more_textures = uvec4(STRATA_NO_INDEX, STRATA_NO_INDEX, 0u, 0u);
 #endif
+#ifdef STRATA_WANTS_RECORD // a program that defines it has the record's number
+layout(location = 12) flat in uint strata_in_record;
+#endif
 #ifdef STRATA_HAS_PRIMITIVE_MAP
 layout(std430) readonly buffer StrataPrimitiveMap { uint strata_primitive_map[]; };
 #endif

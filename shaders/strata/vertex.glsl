@@ -53,6 +53,9 @@ layout(location = 9) flat out vec4 strata_out_emissive; // rgb, alpha cutoff
 layout(location = 10) flat out uvec4 strata_out_textures;
 layout(location = 11) flat out uvec4 strata_out_more_textures;
 #endif
+#ifdef STRATA_WANTS_RECORD
+layout(location = 12) flat out uint strata_out_record;
+#endif
 
 invariant gl_Position;
 
@@ -160,6 +163,9 @@ void main() {
     gl_Position = clip;
     strata_out_ids =
         uvec4(record.material, record.primitive_base, record.primitive_map, record.flags);
+#ifdef STRATA_WANTS_RECORD
+    strata_out_record = STRATA_INSTANCE;
+#endif
     strata_write_material(strata_materials[record.material]);
     strata_out_position = world;
 #ifdef STRATA_HAS_LIT
