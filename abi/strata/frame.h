@@ -76,6 +76,8 @@ typedef struct strata_view {
 
     /* The image that fills a slot ("color/1", "depth/1", "limit/1", "bound/1", "image/1"); the zero
      * handle for a slot that this technique does not name in its slots or that is not in the frame.
+     * A capture that consumes "color/1" reads what lies behind transparent fragments: it is recorded
+     * before they are folded.
      * "image/1", width x height pixels (those above divided by the root of `samples`), is there when
      * `samples` is above 1, and of its producers for the one that fills it. A fold that produces it
      * filters as it folds; given the zero handle, it updates color/1 like any other. Who fills it also
@@ -103,6 +105,10 @@ typedef struct strata_view {
      * number changes with STRATA_CHANGED_SCENE only. */
     uint32_t object_count;
     uint32_t reserved;
+    /* The largest certified error that is accepted in any channel of a pixel; 0: none was given. With
+     * one, `certify` is 1. Techniques may keep less where the certificate stays within it; the host
+     * reads the certificate, whatever they did. */
+    double tolerance;
 } strata_view;
 
 /* ---- record and verify ------------------------------------------------------------------------ */

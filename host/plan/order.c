@@ -8,11 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The one declared feedback: techniques that choose draws read the depth that surface leaves, in a
- * second round of the same frame. It orders nothing. */
-static int is_feedback(const plan_candidate *c, const strata_slot_use *use) {
-    return c->role == PLAN_DRAWS && use->use == STRATA_SLOT_CONSUMES &&
-           strcmp(use->slot, "depth/1") == 0;
+/* What orders nothing. The one declared feedback: techniques that choose draws read the depth that
+ * surface leaves, in a second round of the same frame. And captures read colours as surface left
+ * them, before anything is folded: their stage says so. */
+static int is_unordered(const plan_candidate *c, const strata_slot_use *use) {
+    if (use->use != STRATA_SLOT_CONSUMES)
+        return 0;
+    return (c->role == PLAN_DRAWS && strcmp(use->slot, "depth/1") == 0) ||
+           (c->role == PLAN_CAPTURE && strcmp(use->slot, "color/1") == 0);
 }
 
 static int rank(uint32_t use) {
@@ -25,8 +28,8 @@ static int precedes(const plan_candidate *a, const plan_candidate *b) {
         const strata_slot_use *first = a->note->slots[i];
         for (uint32_t k = 0; k < b->note->slot_count; k++) {
             const strata_slot_use *second = b->note->slots[k];
-            if (strcmp(first->slot, second->slot) != 0 || is_feedback(a, first) ||
-                is_feedback(b, second))
+            if (strcmp(first->slot, second->slot) != 0 || is_unordered(a, first) ||
+                is_unordered(b, second))
                 continue;
             if (rank(first->use) < rank(second->use))
                 return 1;

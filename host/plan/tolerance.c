@@ -11,6 +11,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#define FIRST 4.0 /* fragments that a pixel which may grow begins with */
+
 double plan_tolerance(const plan_input *in) {
     return in->raise < PLAN_RAISE_EXACT ? in->tolerance : 0.0;
 }
@@ -27,25 +29,37 @@ static double payload_for(const plan_input *in, const strata_knob *knob) {
     return fmin(first > in->raise ? first - in->raise : 0, knob->maximum);
 }
 
-/* Doubled with each raise; where exact techniques are asked for, all. */
-static double nearest_for(const plan_input *in, const strata_knob *knob) {
+/* Doubled with each raise, unless pixels `grow` by themselves; where exact techniques are asked
+ * for, all. */
+static double nearest_for(const plan_input *in, const strata_knob *knob, int grow) {
     if (in->raise >= PLAN_RAISE_EXACT)
         return knob->minimum > 0 ? knob->maximum : 0;
-    return fmin(knob->preset * (double)(1u << in->raise), knob->maximum);
+    return grow ? knob->maximum : fmin(knob->preset * (double)(1u << in->raise), knob->maximum);
+}
+
+/* A technique with the knobs `k` and `begin` finds the k of each pixel: from few to as many as the
+ * certificate takes. */
+static void trade_nearest(const plan_input *in, plan_candidate *c) {
+    const int nearest = plan_knob(c->note, "k"), begin = plan_knob(c->note, "begin");
+    const strata_knob *k = nearest >= 0 ? c->note->knobs[nearest] : NULL;
+    if (!k || !k->trades_accuracy || k->type != STRATA_KNOB_INT)
+        return;
+    const int grow = begin >= 0 && c->note->knobs[begin]->type == STRATA_KNOB_INT;
+    if (!(c->set_knobs >> nearest & 1u))
+        c->values[nearest] = nearest_for(in, k, grow);
+    if (grow && !(c->set_knobs >> begin & 1u))
+        c->values[begin] = in->raise >= PLAN_RAISE_EXACT ? 0 : fmin(FIRST, c->values[nearest]);
 }
 
 strata_result plan_trade(plan_work *w) {
     for (uint32_t i = 0; i < w->count && w->in->tolerance > 0.0; i++) {
         plan_candidate *c = &w->candidates[i];
-        const int payload = plan_knob(c->note, "payload"), nearest = plan_knob(c->note, "k");
+        const int payload = plan_knob(c->note, "payload");
         const strata_knob *knob = payload >= 0 ? c->note->knobs[payload] : NULL;
         if (knob && knob->trades_accuracy && knob->type == STRATA_KNOB_CHOICE &&
             !(c->set_knobs >> payload & 1u))
             c->values[payload] = payload_for(w->in, knob);
-        knob = nearest >= 0 ? c->note->knobs[nearest] : NULL;
-        if (knob && knob->trades_accuracy && knob->type == STRATA_KNOB_INT &&
-            !(c->set_knobs >> nearest & 1u))
-            c->values[nearest] = nearest_for(w->in, knob);
+        trade_nearest(w->in, c);
     }
     return STRATA_OK;
 }
@@ -61,7 +75,8 @@ strata_result plan_explain_trades(plan_work *w) {
         plan_candidate *c = &w->candidates[i];
         if (!c->chosen || (c->role != PLAN_CAPTURE && c->role != PLAN_STREAM))
             continue;
-        const int payload = plan_knob(c->note, "payload"), nearest = plan_knob(c->note, "k");
+        const int payload = plan_knob(c->note, "payload"), nearest = plan_knob(c->note, "k"),
+                  begin = plan_knob(c->note, "begin");
         size_t length = strlen(c->reason);
         const size_t size = sizeof c->reason;
 #define ADD(...) length += (size_t)snprintf(c->reason + length, size - length, __VA_ARGS__)
@@ -70,7 +85,10 @@ strata_result plan_explain_trades(plan_work *w) {
                 w->in->raise ? "now takes" : "begins with");
         if (payload >= 0 && c->values[payload] < 3.0 && length < size)
             ADD(" payload %s", payloads[(int)c->values[payload]]);
-        if (nearest >= 0 && length < size)
+        if (begin >= 0 && c->values[begin] > 0.0 && length < size)
+            ADD("%s k from %.0f to %.0f, pixel by pixel", payload >= 0 ? "," : "", c->values[begin],
+                c->values[nearest]);
+        else if (nearest >= 0 && length < size)
             ADD("%s k %.0f", payload >= 0 ? "," : "", c->values[nearest]);
         if (payload < 0 && nearest < 0 && length < size)
             ADD(" all there is");

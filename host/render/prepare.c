@@ -158,7 +158,8 @@ static int fits(const render_session *session, const scene *sc,
     return session && session->scene == sc && session->width == options->width * side &&
            session->height == options->height * side && session->samples == options->samples &&
            session->filter == render_filter(options) && session->shuffle == options->shuffle &&
-           session->certify == (uint32_t)render_certify(options);
+           session->certify == (uint32_t)render_certify(options) &&
+           session->tolerance == options->tolerance;
 }
 
 /* What of the options goes into a plan beside what fits() compares. */

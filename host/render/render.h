@@ -102,6 +102,7 @@ typedef struct render_session {
     uint32_t filter;        /* STRATA_FILTER_* */
     uint32_t shuffle;
     uint32_t certify; /* how wrong the image may be is asked for */
+    double tolerance; /* the most that is accepted; 0: none was given */
     uint32_t careful; /* submit after each technique, to learn which one loses the device */
     plan *plan;
     char *plan_text; /* its JSON, compared to see whether it changed */

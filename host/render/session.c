@@ -260,7 +260,8 @@ static strata_result prepare_technique(render_technique *t) {
                         .fragments = view_fragments,
                         .publish_draws = view_publish_draws,
                         .object_count = upload_count(session->upload).objects,
-                        .certify = session->certify};
+                        .certify = session->certify,
+                        .tolerance = session->tolerance};
     memcpy(view.payload_plane_strides, p->payload.plane_strides, sizeof view.payload_plane_strides);
     for (uint32_t i = 0; i < t->pool_count; ++i)
         t->pool_capacity[i] =
@@ -462,6 +463,7 @@ strata_result render_session_create(strata *s, scene *sc, const strata_render_op
                                 .filter = render_filter(options),
                                 .shuffle = options->shuffle,
                                 .certify = (uint32_t)render_certify(options),
+                                .tolerance = options->tolerance,
                                 .plan = p,
                                 .stats = p->stats,
                                 .changed = 0xffffffffu};

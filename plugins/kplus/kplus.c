@@ -8,8 +8,10 @@
  *   atomic64, atomic32  empty -> chain (keys by atomicMin) [-> orders] -> payload -> finish
  *
  * With memory=exact, count -> sums -> offsets -> ranges go before and nothing has to finish. k = 0
- * keeps all: exact allocation and a store that has nothing to exclude.
+ * keeps all: exact allocation and a store that has nothing to exclude. k per pixel (grow.c) is
+ * exact allocation with a number of its own for each pixel, and grow -> room after the capture.
  */
+#include "kplus/grow.h"
 #include "kplus_glsl.h"
 #include "shared/binds.h"
 #include "shared/counting.h"
@@ -23,7 +25,7 @@
 enum { FINISH_PIXELS = 16, ORDERED_MOST = 16, ATTACHMENTS_MOST = 8 };
 enum { K_MOST = 16384, ARRAY_MOST = 32 }; /* CELL_PLACE holds the former; a heap wins above */
 
-enum { KNOB_K, KNOB_STRUCTURE, KNOB_EXCLUSION, KNOB_MEMORY, KNOB_PAYLOAD, KNOB_TRIES };
+enum { KNOB_K, KNOB_STRUCTURE, KNOB_EXCLUSION, KNOB_MEMORY, KNOB_PAYLOAD, KNOB_TRIES, KNOB_BEGIN };
 enum { STRUCTURE_AUTO, STRUCTURE_ARRAY, STRUCTURE_HEAP };
 enum { MEMORY_FIXED, MEMORY_EXACT };
 typedef enum path {
@@ -47,6 +49,7 @@ typedef struct kplus {
     uint32_t ordered;           /* 1: the device orders accesses of a pixel without any help */
     uint32_t lock_failed, tied; /* 1: learned in verify() */
     counting counting;
+    growth growth;
     strata_buffer ranges, cells, events; /* events: failures of the lock, or ties */
     strata_image held[ATTACHMENTS_MOST]; /* keys and orders, two records a texel */
     strata_buffer dropped;               /* where no texel has room to count */
@@ -72,17 +75,24 @@ static path lock_free(const strata_gpu *gpu) {
     return gpu->fact(gpu->self, "feature.int64_atomics") ? PATH_ATOMIC64 : PATH_ATOMIC32;
 }
 
+/* k counts first: ranges are exact. */
+static uint32_t is_exact(const double *values) {
+    return values[KNOB_K] == 0 || values[KNOB_BEGIN] > 0 || values[KNOB_MEMORY] == MEMORY_EXACT;
+}
+
 /* The path of these settings; 0 where the device cannot take the one that was asked for. */
-static int choose(kplus *s, const strata_settings *settings) {
+static int choose(kplus *s, const strata_settings *settings, int grows) {
     const strata_gpu *gpu = s->gpu;
     const double *values = settings->values;
     const uint32_t structure = (uint32_t)values[KNOB_STRUCTURE];
     s->ordered = gpu->fact(gpu->self, "selftest.ordered_rmw") != 0;
     s->params.k = (uint32_t)values[KNOB_K];
     s->params.tries = (uint32_t)values[KNOB_TRIES];
-    s->exact = s->params.k == 0 || values[KNOB_MEMORY] == MEMORY_EXACT;
+    s->exact = is_exact(values);
     s->heap = structure == STRUCTURE_AUTO ? s->params.k > ARRAY_MOST : structure == STRUCTURE_HEAP;
     s->path = (path)values[KNOB_EXCLUSION];
+    if (s->path == PATH_ORDERED && grows && s->params.k > ORDERED_MOST)
+        s->params.k = ORDERED_MOST; /* the most that a pixel may grow to */
     s->other = lock_free(gpu);
     const int attachments =
         s->params.k <= ORDERED_MOST && gpu->fact(gpu->self, "ordered_attachments") != 0;
@@ -133,6 +143,8 @@ static strata_result create_programs(const kplus *s, path p, const source *sourc
             defines[defined++] = number;
         if (is_late(s))
             defines[defined++] = "LATE";
+        if (s->growth.begin)
+            defines[defined++] = "EACH";
         if (s->exact)
             defines[defined++] = "EXACT";
         if (p == PATH_LOCK)
@@ -236,9 +248,13 @@ static strata_result prepare(void *state, const strata_view *view) {
     s->draws = view->draws(view->self, "draws.transparent/1");
     s->limit = view->image(view->self, "limit/1");
     s->lock_failed = s->tied = 0;
-    if (!choose(s, view->settings))
+    const uint32_t begin = (uint32_t)view->settings->values[KNOB_BEGIN];
+    if (!choose(s, view->settings, begin > 0 && view->tolerance > 0))
         return STRATA_ERROR_UNSUPPORTED;
-    strata_result r = create_buffer(s->gpu, "ranges", pixels * 8, &s->ranges);
+    strata_result r = growth_prepare(&s->growth, s->gpu, view, begin, s->params.k, includes);
+    s->counting.nearest = s->growth.nearest;
+    if (r == STRATA_OK)
+        r = create_buffer(s->gpu, "ranges", pixels * 8, &s->ranges);
     if (r == STRATA_OK)
         r = create_records(s, view);
     if (r == STRATA_OK && s->exact)
@@ -373,7 +389,7 @@ static void record_ordered(const kplus *s, const strata_frame *frame) {
     const uint32_t count = attachment_count(s->params.k), uncounted = s->dropped.id != 0;
     strata_attachment held[ATTACHMENTS_MOST];
     binds b = begin_binds(s, 0), alone = {.at = {b.at[0]}, .count = 1}, g = begin_binds(s, 1);
-    if (is_late(s))
+    if (is_late(s) && !s->growth.begin)
         b = alone;
     for (uint32_t i = 0; i < count; ++i) {
         held[i] = (strata_attachment){.struct_size = sizeof(strata_attachment),
@@ -403,8 +419,9 @@ static void record_ordered(const kplus *s, const strata_frame *frame) {
 }
 
 static void record(void *state, const strata_frame *frame) {
-    const kplus *s = state;
+    kplus *s = state;
     const uint32_t k = s->params.k;
+    growth_begin(&s->growth, frame);
     if (s->exact)
         counting_record(&s->counting, frame, s->draws, s->limit, s->ranges, s->records,
                         k ? k : COUNTING_ALL);
@@ -422,6 +439,11 @@ static void record(void *state, const strata_frame *frame) {
         record_chain(s, frame, s->other);
     else
         record_insertion(s, frame);
+    growth_record(&s->growth, frame,
+                  &(growth_captured){.ranges = s->ranges,
+                                     .events = s->events,
+                                     .count = s->counting.count,
+                                     .records = s->records});
 }
 
 /* A lock that was given up lost a fragment, equal keys may have lost one: both are learned, and the
@@ -431,11 +453,12 @@ static strata_result verify(void *state, const strata_frame *frame) {
     counting_totals totals;
     uint32_t events = 0;
     strata_result r = counting_verify(&s->counting, frame, &totals);
-    if (r != STRATA_OK || s->params.k == 0 || s->path == PATH_UNLOCKED || s->path == PATH_ORDERED)
+    if (r != STRATA_OK || s->params.k == 0)
         return r;
-    r = frame->read(frame->self, s->events, 0, sizeof events, &events);
+    if (s->path != PATH_UNLOCKED && s->path != PATH_ORDERED)
+        r = frame->read(frame->self, s->events, 0, sizeof events, &events);
     if (r != STRATA_OK || events == 0)
-        return r;
+        return r == STRATA_OK ? growth_verify(&s->growth, frame) : r;
     if (s->path == PATH_LOCK && !s->lock_failed)
         s->lock_failed = 1;
     else
@@ -452,12 +475,13 @@ static void destroy(void *state) {
 static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
                               strata_cost *cost) {
     const double k = settings->values[KNOB_K], structure = settings->values[KNOB_STRUCTURE];
-    const int exact = k == 0 || settings->values[KNOB_MEMORY] == MEMORY_EXACT;
+    const double begin = settings->values[KNOB_BEGIN], least = begin > 0 && begin < k ? begin : k;
+    const uint32_t exact = is_exact(settings->values);
     const int heap = structure == STRUCTURE_AUTO ? k > ARRAY_MOST : structure == STRUCTURE_HEAP;
     const uint64_t record =
         8 + records_payload_bytes[(int)settings->values[KNOB_PAYLOAD]] + (heap ? 8 : 0);
-    const double share = k > 0 && stats->mean_depth > k ? k / stats->mean_depth : 1;
-    cost->bytes_per_pixel = exact ? 20 : 20 + (uint64_t)k * record;
+    const double share = k > 0 && stats->mean_depth > least ? least / stats->mean_depth : 1;
+    cost->bytes_per_pixel = exact ? (begin > 0 ? 24 : 20) : 20 + (uint64_t)k * record;
     cost->bytes_per_fragment = exact ? (uint64_t)(share * (double)record + 1) : 0;
     cost->bytes_fixed = 4096;
     return STRATA_OK;
@@ -467,7 +491,12 @@ static const strata_slot_use fragments_use = {.struct_size = sizeof(strata_slot_
                                               .use = STRATA_SLOT_PRODUCES,
                                               .slot = "fragments/1",
                                               .layouts = 1u << STRATA_FRAGMENTS_CONTIGUOUS};
-static const strata_slot_use *const slots[] = {&slots_draws, &slots_limit, &fragments_use};
+static const strata_slot_use behind_use = {.struct_size = sizeof(strata_slot_use),
+                                           .use = STRATA_SLOT_CONSUMES,
+                                           .slot = "color/1",
+                                           .optional = 1};
+static const strata_slot_use *const slots[] = {&slots_draws, &slots_limit, &fragments_use,
+                                               &behind_use};
 
 static const char *const structure_choices[] = {"auto", "array", "heap", NULL};
 static const char *const exclusion_choices[] = {"auto",     "lock",    "atomic64", "atomic32",
@@ -505,8 +534,15 @@ static const strata_knob tries = {.struct_size = sizeof(strata_knob),
                                   .title = "of the lock, before the frame does without",
                                   .maximum = 32768,
                                   .preset = 4096};
+static const strata_knob begin = {.struct_size = sizeof(strata_knob),
+                                  .type = STRATA_KNOB_INT,
+                                  .name = "begin",
+                                  .title = "of k, with a tolerance: what each pixel begins with; "
+                                           "0 = k",
+                                  .unit = "fragments",
+                                  .maximum = K_MOST};
 static const strata_knob *const knobs[] = {
-    &k, &structure, &exclusion, &memory, &records_payload_knob, &tries};
+    &k, &structure, &exclusion, &memory, &records_payload_knob, &tries, &begin};
 static const char *const prefers[] = {"ordered_attachments", "selftest.ordered_rmw",
                                       "feature.int64_atomics", NULL};
 
@@ -515,6 +551,7 @@ static const strata_promises promises = {
     .order = STRATA_ORDER_NEAREST,
     .determinism = STRATA_DETERMINISM_BIT,
     .memory = "fixed: (20 + k record) pixels; exact: 20 pixels + record min(fragments, k each); "
+              "begin: exact, 24 pixels, each its own k; "
               "record: 8 + payload, heap 16 + payload; payload: unorm8 4, half 8, float 16"};
 
 static const strata_cost_model cost = {.struct_size = sizeof(strata_cost_model),
@@ -531,9 +568,9 @@ static const strata_technique technique = {
     .reference = "Vasilakis and Fudos 2014",
     .stage = "capture",
     .slots = slots,
-    .slot_count = 3,
+    .slot_count = 4,
     .knobs = knobs,
-    .knob_count = 6,
+    .knob_count = 7,
     .promises = &promises,
     .cost = &cost,
     .prefers = prefers,

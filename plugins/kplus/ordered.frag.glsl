@@ -31,10 +31,15 @@ STRATA_EACH(STRATA_ORDERED_UINT)
         least = less ? pair : least;                                                               \
         place = less ? at : place;                                                                 \
     }
+#ifdef EACH // places beyond the pixel's own k stay empty
+#define IS_PLACE(at) ((at) < K && uint(at) < most)
+#else
+#define IS_PLACE(at) ((at) < K)
+#endif
 #define FIND(n)                                                                                    \
-    if (2 * n < K)                                                                                 \
-        COMPARE(held_##n.xy, 2u * uint(n))                                                            \
-    if (2 * n + 1 < K)                                                                             \
+    if (IS_PLACE(2 * n))                                                                           \
+        COMPARE(held_##n.xy, 2u * uint(n))                                                         \
+    if (IS_PLACE(2 * n + 1))                                                                       \
         COMPARE(held_##n.zw, 2u * uint(n) + 1u)
 #define REPLACE(n)                                                                                 \
     held_##n.xy = nearer && place == 2u * uint(n) ? pair : held_##n.xy;                               \
@@ -62,6 +67,9 @@ void main() {
 #endif
     uint pixel = strata_pixel(uvec2(gl_FragCoord.xy));
     uvec2 pair = ~uvec2(strata_key(gl_FragCoord.z), strata_order(strata_primitive()));
+#ifdef EACH
+    uint most = slots_of(pixel).y;
+#endif
     STRATA_EACH(LOAD)
     uvec2 least = uvec2(0xffffffffu);
     uint place = 0u;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // kplus: where a pixel's slots lie. memory=exact gave each pixel a range of its own capacity, min(count,
-// k), in StrataRanges; memory=fixed gives each k slots, and finish.comp.glsl writes the ranges.
+// its k), in StrataRanges; memory=fixed gives each k slots, and finish.comp.glsl writes the ranges.
 #ifdef EXACT
 #define STRATA_RANGES readonly
 #else
@@ -9,7 +9,10 @@
 #endif
 #include "strata/fragments.glsl"
 
-STRATA_PARAMS { uint k; uint tries; } params;
+#ifndef MORE_PARAMS
+#define MORE_PARAMS
+#endif
+STRATA_PARAMS { uint k; uint tries; MORE_PARAMS } params;
 
 #ifdef EXACT
 uvec2 slots_of(uint pixel) { return strata_ranges[pixel]; } // first, capacity

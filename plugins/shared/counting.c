@@ -34,18 +34,20 @@ strata_result counting_prepare(counting *c, const strata_gpu *gpu, const strata_
                                int offsets) {
     static const char *const offset_defines[] = {"STRATA_RANGE_STARTS", "STRATA_RANGE_ENDS",
                                                  "STRATA_RANGE_CURSORS"};
-    const char *const defines[] = {offset_defines[offsets]};
+    const char *const defines[] = {offset_defines[offsets], "STRATA_NEAREST"};
+    const uint32_t each = c->nearest.id != 0;
     const struct {
         strata_program *out;
         uint32_t kind;
         const char *label;
         const strata_glsl *source;
+        const char *const *defines;
         uint32_t define_count;
     } programs[] = {
-        {&c->count_program, STRATA_PROGRAM_SCENE, "count", &count_glsl, 0},
-        {&c->sums_program, STRATA_PROGRAM_COMPUTE, "sums", &sums_glsl, 0},
-        {&c->offsets_program, STRATA_PROGRAM_COMPUTE, "offsets", &offsets_glsl, 0},
-        {&c->ranges_program, STRATA_PROGRAM_COMPUTE, "ranges", &ranges_glsl, 1},
+        {&c->count_program, STRATA_PROGRAM_SCENE, "count", &count_glsl, NULL, 0},
+        {&c->sums_program, STRATA_PROGRAM_COMPUTE, "sums", &sums_glsl, defines + 1, each},
+        {&c->offsets_program, STRATA_PROGRAM_COMPUTE, "offsets", &offsets_glsl, NULL, 0},
+        {&c->ranges_program, STRATA_PROGRAM_COMPUTE, "ranges", &ranges_glsl, defines, 1 + each},
     };
     strata_result r = counting_prepare_image(c, gpu);
     if (r == STRATA_OK)
@@ -59,7 +61,7 @@ strata_result counting_prepare(counting *c, const strata_gpu *gpu, const strata_
                                                        .kind = programs[i].kind,
                                                        .label = programs[i].label,
                                                        .source = programs[i].source,
-                                                       .defines = defines,
+                                                       .defines = programs[i].defines,
                                                        .define_count = programs[i].define_count},
                                 programs[i].out);
     return r;
@@ -71,6 +73,8 @@ void counting_record(const counting *c, const strata_frame *frame, strata_draws 
     const strata_bind count = {
         .struct_size = sizeof count, .name = "count_image", .image = c->count};
     const strata_bind sums = bind_buffer("Sums", c->sums);
+    const strata_bind nearest = bind_buffer("Nearest", c->nearest);
+    const uint32_t each = c->nearest.id != 0;
     uint32_t groups[3]; /* one a tile */
     strata_groups((uint64_t)tile_count * 64, groups);
 
@@ -89,16 +93,17 @@ void counting_record(const counting *c, const strata_frame *frame, strata_draws 
             .color_count = 1,
             .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment), .image = limit},
             .depth_test = STRATA_TEST_GREATER_EQUAL});
-    frame->pass(frame->self,
-                &(strata_pass){
-                    .struct_size = sizeof(strata_pass),
-                    .label = "sums",
-                    .program = c->sums_program,
-                    .groups = {groups[0], groups[1]},
-                    .params = &most,
-                    .params_size = sizeof most,
-                    .binds = (const strata_bind[]){count, sums, bind_buffer("Totals", c->totals)},
-                    .bind_count = 3});
+    frame->pass(
+        frame->self,
+        &(strata_pass){
+            .struct_size = sizeof(strata_pass),
+            .label = "sums",
+            .program = c->sums_program,
+            .groups = {groups[0], groups[1]},
+            .params = &most,
+            .params_size = sizeof most,
+            .binds = (const strata_bind[]){count, sums, bind_buffer("Totals", c->totals), nearest},
+            .bind_count = 3 + each});
     frame->pass(frame->self,
                 &(strata_pass){.struct_size = sizeof(strata_pass),
                                .label = "offsets",
@@ -110,16 +115,17 @@ void counting_record(const counting *c, const strata_frame *frame, strata_draws 
                                    (const strata_bind[]){
                                        sums, {.struct_size = sizeof(strata_bind), .pool = records}},
                                .bind_count = 2});
-    frame->pass(frame->self,
-                &(strata_pass){.struct_size = sizeof(strata_pass),
-                               .label = "ranges",
-                               .program = c->ranges_program,
-                               .groups = {groups[0], groups[1]},
-                               .params = &most,
-                               .params_size = sizeof most,
-                               .binds = (const strata_bind[]){count, sums,
-                                                              bind_buffer("StrataRanges", ranges)},
-                               .bind_count = 3});
+    frame->pass(
+        frame->self,
+        &(strata_pass){.struct_size = sizeof(strata_pass),
+                       .label = "ranges",
+                       .program = c->ranges_program,
+                       .groups = {groups[0], groups[1]},
+                       .params = &most,
+                       .params_size = sizeof most,
+                       .binds = (const strata_bind[]){count, sums,
+                                                      bind_buffer("StrataRanges", ranges), nearest},
+                       .bind_count = 3 + each});
 }
 
 static uint64_t wide(const uint32_t words[2]) {

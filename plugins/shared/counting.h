@@ -26,6 +26,8 @@ typedef struct counting_totals {
 typedef struct counting {
     strata_image count; /* R32F; with COUNTING_CURSORS also cursors, see strata/cursor.glsl */
     strata_buffer sums, totals;
+    strata_buffer nearest; /* set before counting_prepare: one uint for each pixel of the frame, the
+                              most records that this pixel gets */
     strata_program count_program, sums_program, offsets_program, ranges_program;
 } counting;
 

@@ -5,17 +5,16 @@
 // STRATA_RANGE_CURSORS, the count makes room for the cursor of such a pass, at the range's beginning.
 #define STRATA_RANGES writeonly
 #include "strata/fragments.glsl"
-#include "strata/tiles.glsl"
+#include "strata/count_kept.glsl"
 #include "strata/cursor.glsl"
 
 layout(std430) readonly buffer Sums { uint sums[]; };
-STRATA_PARAMS { uint most; } params;
 
 void main() {
     uint sum = 0u, pixel;
     for (uint i = 0u; i < STRATA_TILE; ++i)
         if (strata_tile_pixel(i, pixel))
-            sum += min(strata_count_at(pixel), params.most);
+            sum += count_kept(pixel, strata_count_at(pixel));
     uint total;
     uint offset = strata_scan(sum, total);
     if (!strata_tile_exists())
@@ -23,7 +22,7 @@ void main() {
     offset = strata_add(sums[strata_tile()], offset);
     for (uint i = 0u; i < STRATA_TILE; ++i)
         if (strata_tile_pixel(i, pixel)) {
-            uint count = min(strata_count_at(pixel), params.most);
+            uint count = count_kept(pixel, strata_count_at(pixel));
             uint end = strata_add(offset, count);
 #ifdef STRATA_RANGE_ENDS
             strata_ranges[pixel] = uvec2(end, count);

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: MIT
 //
-// Exact allocation, pass 2: records in each tile, of which a pixel gets at most params.most; and the
+// Exact allocation, pass 2: records in each tile, of which a pixel gets count_kept(); and the
 // totals. A count of 2^24 cannot be told from more; verify() refuses it.
-#include "strata/tiles.glsl"
+#include "strata/count_kept.glsl"
 #include "strata/totals.glsl"
 
 layout(std430) writeonly buffer Sums { uint sums[]; };
-STRATA_PARAMS { uint most; } params;
 
 void main() {
     uint kept = 0u, arrived = 0u, largest = 0u;
     for (uint i = 0u; i < STRATA_TILE; ++i) {
         uint pixel;
-        uint count = strata_tile_pixel(i, pixel) ? strata_count_at(pixel) : 0u;
+        if (!strata_tile_pixel(i, pixel))
+            continue;
+        uint count = strata_count_at(pixel);
         arrived += count;
-        kept += min(count, params.most);
+        kept += count_kept(pixel, count);
         largest = max(largest, count);
     }
     uint total;

@@ -58,6 +58,12 @@ static const strata_knob payload = {
     .choices = (const char *const[]){"float", "half", "unorm8", NULL},
     .trades_accuracy = 1,
 };
+static const strata_knob first_nearest = {
+    .struct_size = sizeof first_nearest,
+    .type = STRATA_KNOB_INT,
+    .name = "begin",
+    .maximum = 64,
+};
 static const strata_knob nearest = {
     .struct_size = sizeof nearest,
     .type = STRATA_KNOB_INT,
@@ -171,6 +177,13 @@ static const modules_technique_note techniques[] = {
      .stage = "capture",
      SLOTS(TRANSPARENT, SLOT(PRODUCES, "fragments/1", CONTIGUOUS, 0)),
      KNOBS(&nearest),
+     PROMISE(NEAREST, BIT, 0),
+     COST(1)},
+    {.id = "growk", /* finds the k of each pixel */
+     .stage = "capture",
+     SLOTS(TRANSPARENT, SLOT(CONSUMES, "color/1", 0, 1),
+           SLOT(PRODUCES, "fragments/1", CONTIGUOUS, 0)),
+     KNOBS(&nearest, &first_nearest),
      PROMISE(NEAREST, BIT, 0),
      COST(1)},
     {.id = "slowk", /* the same, and dear */
