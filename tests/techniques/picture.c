@@ -107,6 +107,7 @@ picture picture_render(strata_scene *sc, strata *instance, const way *w, uint32_
                                            .bands = w->bands,
                                            .samples = w->samples,
                                            .filter = w->filter,
+                                           .tolerance = w->tolerance,
                                            .shuffle = w->shuffle};
     if (strata_render(instance, sc, &options) != STRATA_OK)
         fail_msg("%s %s: %s", w->backend ? w->backend : "", count ? w->settings[0] : "",

@@ -18,6 +18,7 @@ typedef struct way {
     const char *backend, *use, *effects, *camera;
     const char *settings[8]; /* up to the first NULL */
     uint32_t bands, shuffle, samples;
+    double tolerance;
     const char *filter;
 } way;
 
