@@ -11,7 +11,7 @@
 #include "shared/binds.h"
 #include "shared/create.h"
 
-enum { SEEN_WORDS = 23 }; /* block Seen in seen.comp.glsl */
+enum { SEEN_WORDS = 39 }; /* block Seen in seen.comp.glsl */
 
 /* What of the tolerance is left to the payload's precision and to the fold's roundings: a guess, of
  * which nothing depends but whether the plan has to be raised. */
