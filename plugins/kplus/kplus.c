@@ -80,16 +80,23 @@ static uint32_t is_exact(const double *values) {
     return values[KNOB_K] == 0 || values[KNOB_BEGIN] > 0 || values[KNOB_MEMORY] == MEMORY_EXACT;
 }
 
+/* By the fragments that pixels may keep; where each has a k of its own, most keep few of theirs,
+ * and a heap's nodes would be the larger part of what that spares. */
+static uint32_t is_heap(const double *values, const strata_scene_stats *stats) {
+    const double structure = values[KNOB_STRUCTURE], half = stats->mean_depth / 2,
+                 most = values[KNOB_BEGIN] > 0 && half < values[KNOB_K] ? half : values[KNOB_K];
+    return structure == STRUCTURE_AUTO ? most > ARRAY_MOST : structure == STRUCTURE_HEAP;
+}
+
 /* The path of these settings; 0 where the device cannot take the one that was asked for. */
-static int choose(kplus *s, const strata_settings *settings, int grows) {
+static int choose(kplus *s, const strata_view *view, int grows) {
     const strata_gpu *gpu = s->gpu;
-    const double *values = settings->values;
-    const uint32_t structure = (uint32_t)values[KNOB_STRUCTURE];
+    const double *values = view->settings->values;
     s->ordered = gpu->fact(gpu->self, "selftest.ordered_rmw") != 0;
     s->params.k = (uint32_t)values[KNOB_K];
     s->params.tries = (uint32_t)values[KNOB_TRIES];
     s->exact = is_exact(values);
-    s->heap = structure == STRUCTURE_AUTO ? s->params.k > ARRAY_MOST : structure == STRUCTURE_HEAP;
+    s->heap = is_heap(values, view->stats);
     s->path = (path)values[KNOB_EXCLUSION];
     if (s->path == PATH_ORDERED && grows && s->params.k > ORDERED_MOST)
         s->params.k = ORDERED_MOST; /* the most that a pixel may grow to */
@@ -249,7 +256,7 @@ static strata_result prepare(void *state, const strata_view *view) {
     s->limit = view->image(view->self, "limit/1");
     s->lock_failed = s->tied = 0;
     const uint32_t begin = (uint32_t)view->settings->values[KNOB_BEGIN];
-    if (!choose(s, view->settings, begin > 0 && view->tolerance > 0))
+    if (!choose(s, view, begin > 0 && view->tolerance > 0))
         return STRATA_ERROR_UNSUPPORTED;
     strata_result r = growth_prepare(&s->growth, s->gpu, view, begin, s->params.k, includes);
     s->counting.nearest = s->growth.nearest;
@@ -474,12 +481,11 @@ static void destroy(void *state) {
 
 static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
                               strata_cost *cost) {
-    const double k = settings->values[KNOB_K], structure = settings->values[KNOB_STRUCTURE];
+    const double k = settings->values[KNOB_K];
     const double begin = settings->values[KNOB_BEGIN], least = begin > 0 && begin < k ? begin : k;
     const uint32_t exact = is_exact(settings->values);
-    const int heap = structure == STRUCTURE_AUTO ? k > ARRAY_MOST : structure == STRUCTURE_HEAP;
-    const uint64_t record =
-        8 + records_payload_bytes[(int)settings->values[KNOB_PAYLOAD]] + (heap ? 8 : 0);
+    const uint64_t record = 8 + records_payload_bytes[(int)settings->values[KNOB_PAYLOAD]] +
+                            (is_heap(settings->values, stats) ? 8 : 0);
     const double share = k > 0 && stats->mean_depth > least ? least / stats->mean_depth : 1;
     cost->bytes_per_pixel = exact ? (begin > 0 ? 24 : 20) : 20 + (uint64_t)k * record;
     cost->bytes_per_fragment = exact ? (uint64_t)(share * (double)record + 1) : 0;
