@@ -494,8 +494,12 @@ static const strata_promises promises = {
         "(+ 4 pixels with linked records); hybrid sorts the deeper ones only, + 4 pixels "
         "(+ 4 with equal keys)"};
 
-static const strata_cost_model cost = {
-    .struct_size = sizeof(strata_cost_model), .frame = 60000, .per_pixel = 0.5, .per_fragment = 10};
+/* Of the hybrid; mode=fragments takes about 10 a fragment. */
+static const strata_cost_model cost = {.struct_size = sizeof(strata_cost_model),
+                                       .frame = 20000,
+                                       .per_pixel = 0.5,
+                                       .per_fragment = 0.35,
+                                       .per_fragment_log2_depth = 0.12};
 
 static const strata_technique technique = {
     .struct_size = sizeof(strata_technique),

@@ -287,11 +287,13 @@ static const strata_promises promises = {
     .memory =
         "4 pixels + 8.125 fragments of pixels deeper than 64 (+ 32 pixels deeper than 32,768)"};
 
+/* Per depth: one pixel's fragments are sorted by few invocations. */
 static const strata_cost_model cost = {.struct_size = sizeof(strata_cost_model),
                                        .frame = 10000,
                                        .per_pixel = 0.5,
                                        .per_fragment = 0.3,
-                                       .per_fragment_log2_depth = 0.12};
+                                       .per_fragment_log2_depth = 0.12,
+                                       .per_depth = 40};
 
 static const strata_technique technique = {
     .struct_size = sizeof(strata_technique),
