@@ -29,8 +29,12 @@ value 'plan: setting' plan.json techniques/0/settings/mode contiguous
 value 'plan: resolve' plan.json techniques/1/technique ppc
 value 'plan: record' plan.json fragments/bytes_per_fragment 24
 value 'plan: planes' plan.json fragments/planes '[8,8]'
-value 'plan: left out' plan.json left_out/1/technique surface
-value 'plan: reason' plan.json left_out/1/reason 'nothing opaque is drawn'
+at=0
+while [ "$(get plan.json left_out/$at/technique)" != surface ] && [ $at -lt 50 ]; do
+    at=$((at + 1))
+done
+value 'plan: left out' plan.json left_out/$at/technique surface
+value 'plan: reason' plan.json left_out/$at/reason 'nothing opaque is drawn'
 value 'plan: warnings' plan.json warnings '[]'
 for member in estimate/transparent_fragments estimate/largest_depth cost effects/0/reason \
     techniques/0/cost techniques/0/module techniques/0/stage techniques/0/title; do
