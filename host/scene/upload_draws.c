@@ -74,11 +74,10 @@ static strata_result put_records(upload *u, const upload_record *records, uint32
 
 static strata_result put_objects(upload *u, const upload_object *objects, uint32_t count,
                                  base_error *err) {
-    strata_buffer states = {0};
     strata_result result = STRATA_OK;
     if (!u->objects.id)
         result = upload_buffer(u, "StrataObjectStates", "object states", NULL,
-                               u->record_capacity * sizeof(uint32_t), &states, err);
+                               u->record_capacity * sizeof(uint32_t), &u->states, err);
     if (result == STRATA_OK && !u->objects.id)
         result = upload_buffer(u, "StrataObjects", "objects", NULL,
                                u->record_capacity * sizeof *objects, &u->objects, err);

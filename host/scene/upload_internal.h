@@ -127,7 +127,7 @@ struct upload {
     upload_record *record; /* host copies, one for each cluster of each visible instance */
     upload_object *object; /* NULL unless wanted */
     uint32_t record_count, record_capacity;
-    strata_buffer objects;
+    strata_buffer objects, states;
     upload_list lists[2]; /* opaque, transparent */
     uint32_t material_count, texture_count, light_count;
     uint32_t key_light; /* 1: the one light is ours */
