@@ -16,12 +16,12 @@ static const char *const global_names[] = {
     "StrataLights",      "strata_atlas_srgb", "strata_atlas_linear", "StrataObjects",
     "StrataObjectStates"};
 static const char *const define_names[] = {
-    "STRATA_LIGHT_COUNT",      "STRATA_HAS_LIT",          "STRATA_HAS_TEXTURES",
-    "STRATA_HAS_SRGB",         "STRATA_HAS_LINEAR",       "STRATA_HAS_UV0",
-    "STRATA_HAS_UV1",          "STRATA_HAS_COLORS",       "STRATA_HAS_TANGENTS",
-    "STRATA_HAS_POINTS",       "STRATA_HAS_RADII",        "STRATA_HAS_MASK",
-    "STRATA_HAS_BLEND",        "STRATA_HAS_EMISSION",     "STRATA_HAS_TRANSMISSION",
-    "STRATA_HAS_SINGLE_SIDED", "STRATA_HAS_PRIMITIVE_MAP"};
+    "STRATA_LIGHT_COUNT",      "STRATA_HAS_LOCAL_LIGHTS", "STRATA_HAS_LIT",
+    "STRATA_HAS_TEXTURES",     "STRATA_HAS_SRGB",         "STRATA_HAS_LINEAR",
+    "STRATA_HAS_UV0",          "STRATA_HAS_UV1",          "STRATA_HAS_COLORS",
+    "STRATA_HAS_TANGENTS",     "STRATA_HAS_POINTS",       "STRATA_HAS_RADII",
+    "STRATA_HAS_MASK",         "STRATA_HAS_BLEND",        "STRATA_HAS_EMISSION",
+    "STRATA_HAS_TRANSMISSION", "STRATA_HAS_SINGLE_SIDED", "STRATA_HAS_PRIMITIVE_MAP"};
 
 strata_result upload_buffer(upload *u, const char *name, const char *label, const void *data,
                             uint64_t size, strata_buffer *out, base_error *err) {

@@ -74,9 +74,12 @@ strata_result upload_lights(upload *u, const scene *s, base_error *err) {
     if (!lights)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory for its lights",
                          s->path);
+    int local = 0;
     lights[0] = key_light(upright);
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count; i++) {
         lights[i] = from_scene(&s->lights[i]);
+        local |= s->lights[i].kind != SCENE_DIRECTIONAL;
+    }
     uint64_t size = u->light_count * sizeof *lights;
     strata_result result =
         u->lights.id ? gpu_buffer_write(u->g, u->lights, 0, size, lights, err)
@@ -84,6 +87,8 @@ strata_result upload_lights(upload *u, const scene *s, base_error *err) {
     free(lights);
     char count_text[16];
     snprintf(count_text, sizeof count_text, "%u", u->light_count);
+    if (result == STRATA_OK)
+        result = upload_define(u, "STRATA_HAS_LOCAL_LIGHTS", local, err);
     return result == STRATA_OK ? gpu_set_define(u->g, "STRATA_LIGHT_COUNT", count_text, err)
                                : result;
 }

@@ -45,10 +45,9 @@ precise vec3 strata_bend(StrataTexture t, StrataSlopes slopes, vec3 normal, vec3
 
 // On the side that is seen. Where normals vanish, that of the face.
 precise vec3 strata_shading_normal(StrataSlopes slopes) {
-    vec3 face = strata_unit(strata_cross(slopes.dx, slopes.dy));
     vec3 normal = strata_unit(strata_in_normal);
     if (normal == vec3(0.0))
-        return face;
+        return strata_unit(strata_cross(slopes.dx, slopes.dy));
 #ifdef STRATA_HAS_TEXTURES
     uint map = strata_in_textures.z;
     if (map != STRATA_NO_INDEX) {
@@ -95,6 +94,7 @@ precise vec3 strata_reflect(StrataReflector r, vec3 light) {
 // Direction to a light and what arrives from it (KHR_lights_punctual).
 precise vec3 strata_arriving(StrataLight light, out vec3 direction) {
     direction = -light.direction.xyz;
+#ifdef STRATA_HAS_LOCAL_LIGHTS
     if (light.position.w == 0.0)
         return light.color.rgb;
     vec3 away = light.position.xyz - strata_in_position;
@@ -111,6 +111,9 @@ precise vec3 strata_arriving(StrataLight light, out vec3 direction) {
         power *= t * t;
     }
     return light.color.rgb * power;
+#else
+    return light.color.rgb;
+#endif
 }
 
 // Ambient radiance convolved with a lobe that keeps `band1` and `band2` of the spherical harmonics

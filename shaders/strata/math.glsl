@@ -17,13 +17,15 @@ precise vec2 strata_mix(vec2 a, vec2 b, float t) { return a + (b - a) * t; }
 precise vec3 strata_mix(vec3 a, vec3 b, float t) { return a + (b - a) * t; }
 precise vec4 strata_mix(vec4 a, vec4 b, float t) { return a + (b - a) * t; }
 
-// Unit length. Zero and non-finite vectors become zero; no square leaves the range of floats.
+// Unit length. Zero and non-finite vectors become zero; no square leaves the range of floats, for the
+// vector is scaled by a power of two first, which is exact.
 precise vec3 strata_unit(vec3 v) {
     float largest = max(abs(v.x), max(abs(v.y), abs(v.z)));
     if (!(largest > 0.0 && largest <= 3.4e38))
         return vec3(0.0);
-    vec3 scaled = v / largest;
-    return scaled / sqrt(strata_dot(scaled, scaled));
+    uint exponent = min(floatBitsToUint(largest) >> 23, 252u);
+    vec3 scaled = v * uintBitsToFloat((253u - exponent) << 23);
+    return scaled * (1.0 / sqrt(strata_dot(scaled, scaled)));
 }
 
 #endif

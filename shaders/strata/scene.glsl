@@ -10,6 +10,7 @@
 //   MASK          alpha-tested materials            BLEND         materials with coverage below 1
 //   EMISSION      emissive materials                TRANSMISSION  materials that let light through
 //   SINGLE_SIDED  faces without a back              PRIMITIVE_MAP primitives out of order
+//   LOCAL_LIGHTS  points and spots; else all lights are directional
 #ifndef STRATA_SCENE_GLSL
 #define STRATA_SCENE_GLSL
 
