@@ -47,7 +47,7 @@ typedef struct fixture {
     gpu_scope *scope;
     strata_program count, plain, replace; /* replace: only where attachments can be read */
     strata_image color, depth;
-    strata_buffer counts, commands, indices;
+    strata_buffer counts, commands, draw_count, indices;
     uint32_t found[PIXELS];
 } fixture;
 
@@ -84,7 +84,7 @@ static strata_buffer buffer(fixture *f, const char *label, uint64_t size, const 
 
 static int set_up(void **state) {
     const gpu_open_info info = {.backend = "gl", .check = 1};
-    const uint32_t command[5] = {3 * TRIANGLES, 1, 0, 0, 0};
+    const uint32_t command[5] = {3 * TRIANGLES, 1, 0, 0, 0}, draws = 1;
     uint32_t indices[3 * TRIANGLES];
     base_error err = {0};
     fixture *f = calloc(1, sizeof *f);
@@ -104,6 +104,7 @@ static int set_up(void **state) {
     f->depth = image(f, "depth", STRATA_FORMAT_D32F);
     f->counts = buffer(f, "counts", sizeof f->found, NULL);
     f->commands = buffer(f, "commands", sizeof command, command);
+    f->draw_count = buffer(f, "draw count", sizeof draws, &draws);
     f->indices = buffer(f, "indices", sizeof indices, indices);
     return 0;
 }
@@ -136,16 +137,17 @@ static void draw(const fixture *f, const strata_pass *pass, strata_program with)
     const gpu_program_state *state = object->program;
     gpu_native_bind bind = {.native = find(f, f->counts.id, GPU_BUFFER)->buffer.storage->native,
                             .size = sizeof f->found};
-    gpu_native_pass native = {.pass = pass,
-                              .program = state->native,
-                              .binds = &bind,
-                              .width = SIZE,
-                              .height = SIZE,
-                              .scissor = {0, 0, SIZE, SIZE},
-                              .commands =
-                                  find(f, f->commands.id, GPU_BUFFER)->buffer.storage->native,
-                              .indices = find(f, f->indices.id, GPU_BUFFER)->buffer.storage->native,
-                              .draw_capacity = 1};
+    gpu_native_pass native = {
+        .pass = pass,
+        .program = state->native,
+        .binds = &bind,
+        .width = SIZE,
+        .height = SIZE,
+        .scissor = {0, 0, SIZE, SIZE},
+        .commands = find(f, f->commands.id, GPU_BUFFER)->buffer.storage->native,
+        .count = find(f, f->draw_count.id, GPU_BUFFER)->buffer.storage->native,
+        .indices = find(f, f->indices.id, GPU_BUFFER)->buffer.storage->native,
+        .draw_capacity = 1};
     if (state->binding_count > 0) {
         bind.binding = &state->bindings[0];
         native.bind_count = 1;
