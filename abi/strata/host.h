@@ -122,7 +122,14 @@ typedef struct strata_render_options {
      * they learned, whatever the camera does); the key light of scenes without lights; the bounds
      * that an orbit frames and `angle` turns about. Without a frame to follow it begins a sequence. */
     uint32_t continues;
-    uint32_t reserved;          /* 0 */
+    /* 1: what the techniques of the last frame cost is added to what is known of this device, in the
+     * cache; later plans go by it, also those of other instances. Frames that prepared, were recorded
+     * again or certified are not typical and teach nothing. */
+    uint32_t learn;
+    /* Milliseconds that a frame may take, 0 = any time. The most accurate technique that is expected
+     * to need no more; then, over the frames of a `repeat` or of a sequence, what they took decides.
+     * Under a tolerance it changes nothing. */
+    double budget;
 } strata_render_options;
 
 /* Renders a scene of this instance. options NULL = defaults. The image stays with the instance until

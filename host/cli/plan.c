@@ -104,6 +104,14 @@ static void print_settings(const json_t *technique) {
     }
 }
 
+/* Where its cost comes from, when anything on the device was measured. */
+static void print_cost(const json_t *technique) {
+    const double points = cli_number(technique, "points");
+    if (points > 0)
+        printf("%22scost %.3g x floor, from %.0f measured point%s\n", "",
+               cli_number(technique, "cost"), points, points == 1 ? "" : "s");
+}
+
 static void print_techniques(const json_t *plan, const char *key, const char *title) {
     const json_t *techniques = cli_array(plan, key);
     printf("\n%s\n", title);
@@ -113,6 +121,7 @@ static void print_techniques(const json_t *plan, const char *key, const char *ti
         const json_t *t = json_array_get(techniques, i);
         int at = printf("  %-10s %-8s ", cli_get(t, "technique"), cli_get(t, "stage"));
         cli_wrap(stdout, at, 22, cli_get(t, "reason"));
+        print_cost(t);
         print_settings(t);
     }
 }
@@ -148,13 +157,22 @@ static void print_warnings(const json_t *plan) {
     }
 }
 
+static void print_cost_of_all(const json_t *plan) {
+    if (!json_is_number(json_object_get(plan, "cost")))
+        return;
+    printf("  estimated cost: %.3g x floor", cli_number(plan, "cost"));
+    if (json_is_number(json_object_get(plan, "ms")))
+        printf(", about %.3g ms, as measured on this device\n", cli_number(plan, "ms"));
+    else
+        puts(" by the modules' coefficients; nothing was measured on this device");
+}
+
 static void print_plan(const json_t *plan) {
     print_head(plan);
     print_estimate(plan);
     print_effects(plan);
     print_techniques(plan, "techniques", "techniques, as they run");
-    if (json_is_number(json_object_get(plan, "cost")))
-        printf("  estimated cost: %.3g x floor\n", cli_number(plan, "cost"));
+    print_cost_of_all(plan);
     print_fragments(plan);
     print_techniques(plan, "left_out", "left out");
     print_warnings(plan);

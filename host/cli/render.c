@@ -16,7 +16,8 @@ enum {
     KEY_ACCOUNT,
     KEY_FRAMES,
     KEY_PATH,
-    KEY_FPS
+    KEY_FPS,
+    KEY_LEARN
 };
 
 static const struct argp_option options[] = {
@@ -29,6 +30,11 @@ static const struct argp_option options[] = {
     {"account", KEY_ACCOUNT, "OUT.json", 0, "What it cost and how right it is; - for stdout", 1},
     {"background", KEY_BACKGROUND, "R,G,B", 0, "Linear; 0.2,0.2,0.2", 2},
     {"repeat", KEY_REPEAT, "N", 0, "Render N frames and account for all; the last is kept", 2},
+    {"learn", KEY_LEARN, NULL, 0,
+     "Add what the techniques of the last frame cost to what is known of this device; later plans "
+     "go "
+     "by it. Wants --repeat: frames that prepare teach nothing",
+     2},
     {.doc = "A sequence, with history kept from frame to frame:", .group = 3},
     {"frames", KEY_FRAMES, "N", 0,
      "Render N frames; a %d or %04d in -o, --deep or --bound numbers their files, from 0 on; names "
@@ -134,6 +140,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
                        MAX_FRAMES);
         else
             r->sequence.frames = (uint32_t)count;
+        return 0;
+    case KEY_LEARN:
+        r->common.render.learn = 1;
         return 0;
     case KEY_PATH:
         r->sequence.path = text;

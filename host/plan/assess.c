@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * What each installed technique could do in this frame, before any is chosen: its role, its cost by
- * the module's coefficients, whether the user named it, and what keeps it from running here.
+ * What each installed technique could do in this frame, before any is chosen: its role, its cost,
+ * measured or by the module's coefficients, whether the user named it, and what keeps it from
+ * running here.
  */
 #include "plan/plan_internal.h"
 
@@ -81,29 +82,26 @@ static plan_role role_of(const modules_technique_note *note) {
     return PLAN_ROLES;
 }
 
-/* In blended fragments. A technique pays for what its slots give it to work on: triangles of the
- * draws it touches, fragments and covered pixels when those are transparent, else all pixels. */
-static double cost_of(const plan_candidate *c, const strata_scene_stats *stats) {
-    const strata_cost_model *m = c->note->cost;
-    int folds = c->role == PLAN_CAPTURE || c->role == PLAN_RESOLVE || c->role == PLAN_STREAM ||
-                c->role == PLAN_CLIP;
-    double fragments = folds ? stats->transparent_fragments : 0.0;
-    double pixels = folds ? stats->covered_pixels : (double)stats->width * (double)stats->height;
-    double triangles = 0.0;
-    if (!m)
-        return PLAN_NO_COST;
-    if (plan_slot(c->note, "draws.opaque/1", 0))
-        triangles += (double)stats->opaque_triangles;
-    double objects = plan_slot(c->note, "objects/1", 0) ? (double)stats->opaque_objects : 0.0;
-    if (plan_slot(c->note, "draws.transparent/1", 0))
-        triangles += (double)stats->transparent_triangles;
-    double cost = m->frame + m->per_pixel * pixels + m->per_fragment * fragments +
-                  m->per_fragment_log2_depth * fragments * log2(1.0 + stats->mean_depth) +
-                  m->per_triangle * triangles + m->per_object * objects +
-                  stats->largest_depth *
-                      (m->per_depth + m->per_depth_pixel * pixels +
-                       m->per_depth_fragment * fragments + m->per_depth_triangle * triangles);
-    return isfinite(cost) && cost >= 0.0 ? cost : PLAN_NO_COST;
+double plan_cost(const plan_work *w, const plan_candidate *c, double nearest) {
+    double terms[COSTS_TERMS];
+    costs_terms(c->note, w->in->stats, nearest, terms);
+    const double cost = costs_expect(w->in->costs, c->note, c->coefficients, terms);
+    return c->points >= 0 && isfinite(cost) && cost >= 0.0 ? cost : PLAN_NO_COST;
+}
+
+double plan_kept(const plan_candidate *holder) {
+    const int knob = costs_count_knob(holder->note);
+    return knob >= 0 && holder->values ? holder->values[knob] : 0.0;
+}
+
+/* With its settings, before it is known what stands beside it. */
+strata_result plan_price(plan_work *w) {
+    for (uint32_t i = 0; i < w->count; i++) {
+        plan_candidate *c = &w->candidates[i];
+        c->points = costs_of(w->in->costs, c->note, c->coefficients);
+        c->cost = plan_cost(w, c, plan_kept(c));
+    }
+    return STRATA_OK;
 }
 
 strata_result plan_collect(plan_work *w) {
@@ -119,7 +117,6 @@ strata_result plan_collect(plan_work *w) {
             plan_candidate *c = &w->candidates[w->count++];
             *c = (plan_candidate){.note = &module->techniques[k], .compared = PLAN_NO_COST};
             c->role = role_of(c->note);
-            c->cost = cost_of(c, w->in->stats);
         }
     }
     qsort(w->candidates, w->count, sizeof *w->candidates, by_stage);

@@ -56,23 +56,24 @@ static double shading_cost(const plan_work *w) {
  * what is hidden is drawn and shaded all the same, for its bound. */
 static void weigh(const plan_work *w, plan_candidate *c, const plan_candidate *holder) {
     const strata_scene_stats *stats = w->in->stats;
-    const strata_cost_model *m = holder->note->cost;
+    const double *m = holder->coefficients;
     const char *unnamed = w->in->use ? "not named in --use; " : "";
     double fragments = stats->transparent_fragments;
-    if (c->cost == PLAN_NO_COST || !m || !(fragments > 0.0)) {
+    if (c->cost == PLAN_NO_COST || holder->points < 0 || !(fragments > 0.0)) {
         plan_reason(c, "%swhether it would pay is unknown", unnamed);
         return;
     }
     double hidden = hidden_share(c, w->out->nearest, stats->mean_depth);
-    double holding = m->per_fragment + m->per_fragment_log2_depth * log2(1.0 + stats->mean_depth);
+    double holding =
+        m[COSTS_FRAGMENT] + m[COSTS_FRAGMENT_LOG2_DEPTH] * log2(1.0 + stats->mean_depth);
     double other = w->in->tolerance > 0.0 ? -DRAWING : shading_cost(w);
     double saves = fmax(0.0, hidden * (HIDDEN_SAVES * holding + other));
-    double costs = c->cost / fragments;
-    int pays = saves > MARGIN * costs;
+    double price = c->cost / fragments;
+    int pays = saves > MARGIN * price;
     c->chosen = pays && !w->in->use;
     plan_reason(c, "%s%s about %.0f %% of the fragments from %s%s %.2g x floor and costs %.2g",
                 unnamed, c->chosen ? "hides" : "it would hide", 100.0 * hidden, holder->note->id,
-                c->chosen ? ": that saves" : ", which saves", saves, costs);
+                c->chosen ? ": that saves" : ", which saves", saves, price);
 }
 
 strata_result plan_choose_clip(plan_work *w) {

@@ -17,10 +17,9 @@ static double drawing_cost(const plan_work *w, double share) {
     double cost = 0.0;
     for (uint32_t i = 0; i < w->count; i++) {
         const plan_candidate *c = &w->candidates[i];
-        if (c->chosen && c->note->cost &&
-            plan_slot(c->note, "draws.opaque/1", STRATA_SLOT_CONSUMES))
-            cost += share * (c->note->cost->per_triangle * (double)stats->opaque_triangles +
-                             c->note->cost->per_fragment * stats->opaque_overdraw);
+        if (c->chosen && plan_slot(c->note, "draws.opaque/1", STRATA_SLOT_CONSUMES))
+            cost += share * (c->coefficients[COSTS_TRIANGLE] * (double)stats->opaque_triangles +
+                             c->coefficients[COSTS_FRAGMENT] * stats->opaque_overdraw);
     }
     return cost;
 }

@@ -197,15 +197,23 @@ static void note_way(plan_candidate *c, double cost) {
         c->compared = cost;
 }
 
+/* A resolve is paid for what the capture keeps. */
+static double cost_of(const plan_work *w, const way *candidate) {
+    const plan_candidate *capture = candidate->capture;
+    const double fold =
+        capture ? plan_cost(w, candidate->fold, plan_kept(capture)) : candidate->fold->cost;
+    return fold == PLAN_NO_COST || (capture && capture->cost == PLAN_NO_COST)
+               ? HUGE_VAL
+               : fold + (capture ? capture->cost : 0.0);
+}
+
 static void consider(search *s, way candidate) {
     const plan_candidate *capture = candidate.capture, *fold = candidate.fold;
     if ((s->named[PLAN_CAPTURE] && s->named[PLAN_CAPTURE] != capture) ||
         (s->named[PLAN_RESOLVE] && s->named[PLAN_RESOLVE] != fold) ||
         (s->named[PLAN_STREAM] && s->named[PLAN_STREAM] != fold))
         return;
-    candidate.cost = fold->cost == PLAN_NO_COST || (capture && capture->cost == PLAN_NO_COST)
-                         ? HUGE_VAL
-                         : fold->cost + (capture ? capture->cost : 0.0);
+    candidate.cost = cost_of(s->w, &candidate);
     note_way(candidate.capture, candidate.cost);
     note_way(candidate.fold, candidate.cost);
     s->ways++;
@@ -364,8 +372,10 @@ strata_result plan_choose_fold(plan_work *w) {
     if (!s.best.fold)
         return fail_none(&s);
     s.best.fold->chosen = 1;
-    if (s.best.capture)
+    if (s.best.capture) {
         s.best.capture->chosen = 1;
+        s.best.fold->cost = plan_cost(w, s.best.fold, plan_kept(s.best.capture));
+    }
     describe_choice(&s);
     describe_others(&s);
     result = settle(&s);

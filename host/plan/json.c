@@ -67,10 +67,10 @@ json_t *plan_json_techniques(const plan *p) {
                                 knob_value(t->technique->knobs[k], t->values[k]));
         json_array_append_new(
             array,
-            json_pack("{so so so so so so so}", "technique", text(t->technique->id), "module",
+            json_pack("{so so so so so so si so}", "technique", text(t->technique->id), "module",
                       text(t->technique->module->id), "stage", text(t->technique->stage), "title",
                       text(t->technique->title), "settings", settings, "cost", floors(p, t->cost),
-                      "reason", text(t->reason)));
+                      "points", (int)t->points, "reason", text(t->reason)));
     }
     return array;
 }
@@ -79,10 +79,11 @@ static json_t *left_out_json(const plan *p) {
     json_t *array = json_array();
     for (uint32_t i = 0; i < p->left_out_count; i++) {
         const plan_left_out *l = &p->left_out[i];
-        json_array_append_new(
-            array, json_pack("{so so so so so}", "technique", text(l->technique->id), "module",
-                             text(l->technique->module->id), "stage", text(l->technique->stage),
-                             "cost", floors(p, l->cost), "reason", text(l->reason)));
+        json_array_append_new(array,
+                              json_pack("{so so so so si so}", "technique", text(l->technique->id),
+                                        "module", text(l->technique->module->id), "stage",
+                                        text(l->technique->stage), "cost", floors(p, l->cost),
+                                        "points", (int)l->points, "reason", text(l->reason)));
     }
     return array;
 }
@@ -124,20 +125,17 @@ static json_t *estimate_json(const strata_scene_stats *s) {
 
 json_t *plan_json(const plan *p) {
     json_t *facts = json_object(), *warnings = json_array();
-    double total = 0.0;
     for (uint32_t i = 0; i < p->demand.count; i++)
         json_object_set_new(facts, p->demand.facts[i].id,
                             json_integer((json_int_t)p->demand.facts[i].value));
     for (uint32_t i = 0; i < p->warning_count; i++)
         json_array_append_new(warnings, text(p->warnings[i]));
-    for (uint32_t i = 0; i < p->technique_count; i++)
-        total = total == PLAN_NO_COST || p->techniques[i].cost == PLAN_NO_COST
-                    ? PLAN_NO_COST
-                    : total + p->techniques[i].cost;
-    return json_pack("{so so so so so so so so}", "facts", facts, "effects", plan_json_effects(p),
-                     "estimate", estimate_json(&p->stats), "fragments", fragments_json(p),
-                     "techniques", plan_json_techniques(p), "left_out", left_out_json(p), "cost",
-                     floors(p, total), "warnings", warnings);
+    return json_pack("{so so so so so so so so so so}", "facts", facts, "effects",
+                     plan_json_effects(p), "estimate", estimate_json(&p->stats), "fragments",
+                     fragments_json(p), "techniques", plan_json_techniques(p), "left_out",
+                     left_out_json(p), "cost", floors(p, p->cost), "ms",
+                     p->ms == PLAN_NO_COST ? json_null() : number(p->ms), "measured_on",
+                     text(p->measured_on[0] ? p->measured_on : NULL), "warnings", warnings);
 }
 
 /* ---- installed modules ----------------------------------------------------------------------- */

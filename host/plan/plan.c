@@ -29,6 +29,7 @@ static void add_technique(plan *p, plan_candidate *c) {
                 .values = c->values,
             },
         .cost = c->cost,
+        .points = c->points > 0 ? (uint32_t)c->points : 0,
     };
     memcpy(t->reason, c->reason, sizeof t->reason);
     c->values = NULL;
@@ -36,8 +37,23 @@ static void add_technique(plan *p, plan_candidate *c) {
 
 static void add_left_out(plan *p, const plan_candidate *c) {
     plan_left_out *l = &p->left_out[p->left_out_count++];
-    *l = (plan_left_out){.technique = c->note, .cost = c->compared};
+    *l = (plan_left_out){.technique = c->note,
+                         .cost = c->compared,
+                         .points = c->points > 0 ? (uint32_t)c->points : 0};
     memcpy(l->reason, c->reason, sizeof l->reason);
+}
+
+static void expect_time(plan_work *w) {
+    plan *p = w->out;
+    const costs *c = w->in->costs;
+    p->cost = 0.0;
+    for (uint32_t i = 0; i < p->technique_count; i++)
+        p->cost = p->cost == PLAN_NO_COST || p->techniques[i].cost == PLAN_NO_COST
+                      ? PLAN_NO_COST
+                      : p->cost + p->techniques[i].cost;
+    p->ms = c && c->ns > 0.0 && p->cost != PLAN_NO_COST ? p->cost * c->ns * 1e-6 : PLAN_NO_COST;
+    if (c && c->ns > 0.0)
+        snprintf(p->measured_on, sizeof p->measured_on, "%s", c->device);
 }
 
 static strata_result write_out(plan_work *w) {
@@ -53,6 +69,7 @@ static strata_result write_out(plan_work *w) {
     for (uint32_t i = 0; i < w->count && result == STRATA_OK; i++)
         if (!w->candidates[i].chosen)
             add_left_out(p, &w->candidates[i]);
+    expect_time(w);
     free(order);
     return result;
 }
@@ -145,9 +162,9 @@ static strata_result warn_unchecked(plan_work *w) {
 
 static strata_result make(plan_work *w) {
     strata_result (*const steps[])(plan_work *) = {
-        plan_collect,    plan_resolve_settings, plan_trade,     plan_assess,
-        plan_choose,     plan_explain_trades,   make_payload,   expect_bands,
-        warn_unanswered, warn_settings,         warn_unchecked, write_out,
+        plan_collect,  plan_resolve_settings, plan_trade,   plan_price,   plan_assess,
+        plan_choose,   plan_explain_trades,   make_payload, expect_bands, warn_unanswered,
+        warn_settings, warn_unchecked,        write_out,
     };
     strata_result result = plan_decide_effects(w->in, w->out, w->err);
     for (size_t i = 0; i < BASE_COUNT(steps) && result == STRATA_OK; i++)

@@ -12,11 +12,12 @@
 #include <jansson.h>
 
 #include "modules/modules.h"
+#include "plan/costs.h"
 #include "plan/demand.h"
 
-#define PLAN_MAX_FIELDS 16u
-#define PLAN_MAX_PLANES (STRATA_MAX_PLANES - 2u) /* of payload: beside keys and links */
-#define PLAN_NO_COST    (-1.0)
+#define PLAN_MAX_FIELDS  16u
+#define PLAN_MAX_PLANES  (STRATA_MAX_PLANES - 2u) /* of payload: beside keys and links */
+#define PLAN_NO_COST     (-1.0)
 #define PLAN_RAISE_EXACT 5u
 
 /* ---- input ----------------------------------------------------------------------------------- */
@@ -44,9 +45,10 @@ typedef struct plan_input {
     uint32_t exclusion_count;
     uint32_t samples;        /* sub-pixels a pixel, 0 = 1 */
     uint32_t need_fragments; /* 1: fragments/1 with every fragment is asked for (deep output) */
-    uint32_t raise;   /* times that the tolerance was missed; PLAN_RAISE_EXACT: the exact way */
-    double tolerance; /* largest certified error accepted; 0 = exact techniques */
-    uint64_t memory;  /* bytes techniques may take, 0 = unknown */
+    uint32_t raise;     /* times that the tolerance was missed; PLAN_RAISE_EXACT: the exact way */
+    double tolerance;   /* largest certified error accepted; 0 = exact techniques */
+    uint64_t memory;    /* bytes techniques may take, 0 = unknown */
+    const costs *costs; /* as measured on this device; NULL: the modules' own */
 } plan_input;
 
 /* ---- output ---------------------------------------------------------------------------------- */
@@ -66,12 +68,14 @@ typedef struct plan_technique {
     double *values;           /* settings.values */
     strata_settings settings; /* every knob resolved, in the order of the technique's knobs */
     double cost;              /* in blended fragments; PLAN_NO_COST when unknown */
+    uint32_t points;          /* measured ones that it rests on; 0: the module's coefficients */
     char reason[256];
 } plan_technique;
 
 typedef struct plan_left_out {
     const modules_technique_note *technique;
     double cost; /* of the cheapest way to use it; PLAN_NO_COST when it was not compared */
+    uint32_t points;
     char reason[256];
 } plan_left_out;
 
@@ -115,13 +119,16 @@ typedef struct plan {
     uint32_t transparent; /* 1: some technique folds transparent fragments; else the rest is zero */
     uint32_t captures;    /* 1: through fragments/1 */
     const modules_technique_note *image; /* fills image/1; NULL when a pixel has one sample */
-    uint32_t layout;      /* STRATA_FRAGMENTS_* */
-    uint32_t nearest;     /* fragments a pixel that the capture or the stream keeps; 0 = all */
+    uint32_t layout;                     /* STRATA_FRAGMENTS_* */
+    uint32_t nearest; /* fragments a pixel that the capture or the stream keeps; 0 = all */
     uint32_t transmittance_channels; /* 1 or 3 */
     plan_payload payload;
     uint32_t bytes_per_fragment; /* of a record in fragments/1, 0 when nothing is captured */
     uint32_t expected_bands;     /* that the estimated fragments take in the memory and the storage
                                     range there is; 0 when nothing is captured */
+    double cost;                 /* of all that runs, PLAN_NO_COST when unknown */
+    double ms;                   /* that it is expected to take; PLAN_NO_COST when unknown */
+    char measured_on[256];       /* device that `points` are of, "" when nothing was measured */
     strata_scene_stats stats;    /* as given */
     demand demand;               /* as given */
 } plan;

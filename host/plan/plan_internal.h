@@ -36,8 +36,10 @@ typedef struct plan_candidate {
     int chosen;
     uint64_t set_knobs; /* bit i: knob i was set by the user */
     double *values;
-    double cost;     /* alone, PLAN_NO_COST when unknown */
-    uint32_t ways;   /* to fold with it, of those open to the choice */
+    double cost;                      /* alone, PLAN_NO_COST when unknown */
+    double coefficients[COSTS_TERMS]; /* of its cost; zeros when unknown */
+    int points;                       /* see costs_of */
+    uint32_t ways;                    /* to fold with it, of those open to the choice */
     double compared; /* of the cheapest of them, PLAN_NO_COST when there is none or it is unknown */
     char reason[256];
 } plan_candidate;
@@ -88,11 +90,15 @@ strata_result plan_explain_trades(plan_work *w);
 int plan_certifies(const plan_candidate *c);
 
 /* ---- assess.c */
-strata_result plan_collect(plan_work *w); /* candidates, with roles and costs */
+strata_result plan_collect(plan_work *w); /* candidates, with roles */
+strata_result plan_price(plan_work *w);   /* and with costs, once settings are known */
 strata_result plan_assess(plan_work *w);  /* what is named, and what is blocked */
 plan_candidate *plan_candidate_find(const plan_work *w, const char *id);
 const strata_slot_use *plan_slot(const modules_technique_note *note, const char *slot,
                                  uint32_t use); /* NULL: it has no such use; use 0 = any */
+/* Where what holds a pixel's fragments keeps the nearest so many, 0 = all; PLAN_NO_COST. */
+double plan_cost(const plan_work *w, const plan_candidate *c, double nearest);
+double plan_kept(const plan_candidate *holder); /* what it keeps with its settings, 0 = all */
 int plan_host_fills(const char *slot);
 void plan_reason(plan_candidate *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
 

@@ -76,6 +76,7 @@ void strata_close(strata *s) {
         strata_scene_close(s->scenes);
     render_session_free(s->session);
     gpu_close(s->gpu);
+    costs_free(&s->costs);
     modules_free(s->modules);
     render_result_clear(&s->result);
     for (uint32_t i = 0; i < s->exclusion_count; ++i) {

@@ -39,9 +39,10 @@ strata_result render_device(strata *s, base_error *err) {
                                 .profile = 1,
                                 .inject = s->losses ? NULL : s->inject};
     strata_result r = gpu_open(&info, &s->gpu, err);
-    if (r == STRATA_OK)
-        gpu_describe(s->gpu, &s->device_info);
-    return r;
+    if (r != STRATA_OK)
+        return r;
+    gpu_describe(s->gpu, &s->device_info);
+    return render_costs_load(s, err);
 }
 
 strata_result render_exclude(strata *s, const char *technique, const char *reason,
@@ -69,7 +70,7 @@ static uint64_t device_fact(void *user, const char *id) {
     return gpu_fact(((strata *)user)->gpu, id);
 }
 
-static const modules_note **notes_of(const strata *s) {
+const modules_note **render_notes(const strata *s) {
     const uint32_t count = modules_count(s->modules);
     const modules_note **notes = base_calloc((size_t)count + 1, sizeof *notes);
     for (uint32_t i = 0; notes && i < count; ++i)
@@ -111,14 +112,15 @@ strata_result render_plan(strata *s, scene *sc, const strata_render_options *opt
                         .need_fragments = (options->outputs & STRATA_OUTPUT_DEEP) != 0,
                         .tolerance = options->tolerance,
                         .raise = s->raise,
-                        .memory = s->memory};
+                        .memory = s->memory,
+                        .costs = s->gpu ? &s->costs : NULL};
     const modules_note **notes = NULL;
     strata_result r = render_modules(s, err);
     if (r == STRATA_OK)
         r = demand_make(sc, &wants, err);
     if (r != STRATA_OK)
         return r;
-    notes = notes_of(s);
+    notes = render_notes(s);
     if (!notes)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "plan: out of memory");
     input.modules = notes;

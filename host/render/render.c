@@ -102,9 +102,11 @@ strata_result render_options(const strata_render_options *given, strata_render_o
     for (int i = 0; i < 4; ++i)
         if (!isfinite(options->background[i]))
             return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "background is not finite");
-    if (options->continues > 1 || options->reserved)
+    if (options->continues > 1 || options->learn > 1)
         return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
-                         "continues is neither 0 nor 1, or reserved is not 0");
+                         "continues or learn is neither 0 nor 1");
+    if (!(options->budget >= 0))
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "budget is negative or not a number");
     if (options->setting_count && !options->settings)
         return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "settings is NULL");
     if (!(options->tolerance >= 0))
@@ -389,6 +391,8 @@ strata_result strata_render(strata *s, strata_scene *sc, const strata_render_opt
         s->raise = s->session->raise;
     r = render_within(s, sc->scene, &options, &err);
     s->raise = 0;
+    if (r == STRATA_OK && options.learn)
+        render_learn(s);
     s->result.valid = r == STRATA_OK || r == STRATA_PARTIAL;
     return s->result.valid ? r : base_fail(&s->error, err.result, "%s", err.text);
 }

@@ -15,6 +15,7 @@
  *     bound.c     certificates: losses and bound/1
  *     deep.c      fragments as elements, for deep images
  *     account.c   what it cost
+ *     learn.c     and what the plan learns of that
  */
 #ifndef STRATA_HOST_RENDER_H
 #define STRATA_HOST_RENDER_H
@@ -89,7 +90,7 @@ typedef struct render_report {
     uint64_t before; /* total of a clip technique, which hides some from those after it */
     uint64_t objects, outside, occluded, late, certified;
     uint64_t visible, wrong, overshot; /* objects, as a checker found them */
-    uint32_t known;  /* bit 1 << STRATA_REPORT_*, or RENDER_REPORT_BEFORE */
+    uint32_t known;                    /* bit 1 << STRATA_REPORT_*, or RENDER_REPORT_BEFORE */
 } render_report;
 
 /* Everything that lives as long as the plan, the scene, the size and the device stay the same. */
@@ -214,11 +215,12 @@ struct strata {
     gpu_device_info device_info;
     render_session *session;
     render_result result;
-    render_start start; /* of the sequence */
+    render_start start;         /* of the sequence */
     plan_exclusion *exclusions; /* techniques that failed; texts owned */
     uint32_t exclusion_count;
     struct strata_scene *scenes;
     uint32_t losses; /* of the device, in all renders */
+    costs costs;     /* measured on the device that is open, while there is one */
     uint32_t raise;  /* of the plan: how often the tolerance was missed in this render */
 };
 
@@ -243,6 +245,7 @@ strata_result render_plan(strata *s, scene *sc, const strata_render_options *opt
 /* Opens the device unless it is open. */
 strata_result render_device(strata *s, base_error *err);
 strata_result render_modules(strata *s, base_error *err);
+const modules_note **render_notes(const strata *s); /* of all modules; free(); NULL: no memory */
 /* Whether these options would be rendered, at this raise, as the session was. */
 strata_result render_same_plan(strata *s, scene *sc, const strata_render_options *options,
                                int *same, base_error *err);
@@ -251,8 +254,7 @@ strata_result render_same_plan(strata *s, scene *sc, const strata_render_options
 int render_continues(const strata *s, const strata_render_options *options);
 int render_keeps_plan(const strata *s, const scene *sc, const strata_render_options *options);
 /* The session as it is, after the scene's edits. */
-strata_result render_session_keep(strata *s, const strata_render_options *options,
-                                  base_error *err);
+strata_result render_session_keep(strata *s, const strata_render_options *options, base_error *err);
 /* Makes s->session fit the plan and options, keeping the old one where nothing changed. Takes
  * ownership of p in any case. */
 strata_result render_session_open(strata *s, scene *sc, const strata_render_options *options,
@@ -313,6 +315,12 @@ strata_result render_deep_begin(render_session *session, base_error *err);
 strata_result render_deep_band(render_session *session, const render_rect *band, base_error *err);
 image_deep render_deep_image(const render_session *session); /* borrows the arrays */
 void render_deep_free(render_deep *deep);
+
+/* ---- learn.c --------------------------------------------------------------------------------- */
+/* What is known of the device that was just opened. */
+strata_result render_costs_load(strata *s, base_error *err);
+/* Adds the last frame, if it is typical. */
+void render_learn(strata *s);
 
 /* ---- account.c ------------------------------------------------------------------------------- */
 /* Merges the device's timings since gpu_begin into the frame's. */

@@ -449,6 +449,7 @@ strata_result ask(const request *r, kit *k, demand *d, plan **out, base_error *e
         .raise = r->raise,
         .samples = r->samples,
         .need_fragments = r->deep,
+        .costs = r->costs,
     };
     snprintf(facts, sizeof facts, "%s", r->device ? r->device : everything);
     kit_make(k, r->installed);

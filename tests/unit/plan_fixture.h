@@ -25,9 +25,9 @@ void kit_make(kit *k, const char *ids);
     "transmission"
 
 /* What a scene holds, in letters: o opaque, b BLEND, t transmission, e two emissive, f one, u
- * unlit; d for a depth of 300 instead of 10, h for a mean depth of a hundred, l for four lights; c for a
- * thousand opaque objects of which half are hidden or outside, v for as many that are seen. Whatever is
- * transparent has 1,000 fragments. */
+ * unlit; d for a depth of 300 instead of 10, h for a mean depth of a hundred, l for four lights; c
+ * for a thousand opaque objects of which half are hidden or outside, v for as many that are seen.
+ * Whatever is transparent has 1,000 fragments. */
 void kit_scene(const char *letters, demand *d, strata_scene_stats *stats);
 
 /* What is asked of a plan: rows of tables begin with FOR(installed, scene). */
@@ -37,6 +37,7 @@ typedef struct request {
     const char *device; /* NULL = everything; "?" = no device known */
     double tolerance;
     uint32_t samples, deep, raise;
+    const costs *costs;
 } request;
 
 #define FOR(modules, letters) .installed = (modules), .scene = (letters)

@@ -296,8 +296,8 @@ static void everything_has_its_reason(void **state) {
          "it keeps the nearest fragments only, and no tolerance is given"},
         {{FOR("kplus abuffer ppc over", "b"), .tolerance = 0.1},
          "kplus",
-         "the cheapest way to fold about 1,000 fragments, with ppc: 2 x floor; for a tolerance of "
-         "0.1 it begins with k 8"},
+         "the cheapest way to fold about 1,000 fragments, with ppc: 1.8 x floor; for a tolerance "
+         "of 0.1 it begins with k 8"},
         {{FOR("growk abuffer ppc over", "b"), .tolerance = 0.1},
          "growk",
          "the cheapest way to fold about 1,000 fragments, with ppc: 2 x floor; for a tolerance of "

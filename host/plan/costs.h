@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What techniques cost: the modules' coefficients (strata_cost_model), and in their place those
+ * that were fitted to times measured on a device. Points are kept for each device in the cache; the
+ * fit is a pure function of points and notes, and the plan a pure function of the fit.
+ *
+ * The unit is blending one fragment. A technique's cost is the sum of its coefficients times its
+ * terms, what a frame gives it to work on; `ns` says how long the unit takes.
+ */
+#ifndef STRATA_HOST_COSTS_H
+#define STRATA_HOST_COSTS_H
+
+#include "modules/modules.h"
+#include "strata/scene.h"
+
+#define COSTS_MOST_POINTS     48u /* of a technique; the oldest goes */
+#define COSTS_MOST_TECHNIQUES 256u
+
+/* Those of strata_cost_model in its order, and one more. */
+typedef enum costs_term {
+    COSTS_FRAME,
+    COSTS_PIXEL,
+    COSTS_FRAGMENT,
+    COSTS_FRAGMENT_LOG2_DEPTH,
+    COSTS_TRIANGLE,
+    COSTS_DEPTH,
+    COSTS_DEPTH_PIXEL,
+    COSTS_DEPTH_FRAGMENT,
+    COSTS_DEPTH_TRIANGLE,
+    COSTS_OBJECT,
+    COSTS_KEPT, /* fragments kept by what keeps the nearest; modules say nothing of it */
+    COSTS_TERMS
+} costs_term;
+
+typedef struct costs_point {
+    double terms[COSTS_TERMS];
+    double ms;       /* of the device, a mean */
+    uint32_t frames; /* that were measured */
+} costs_point;
+
+typedef struct costs_technique {
+    char id[64];
+    costs_point points[COSTS_MOST_POINTS];
+    uint32_t count;
+    uint32_t fitted;                  /* 1: `coefficients` stand in for the module's */
+    double coefficients[COSTS_TERMS]; /* all >= 0 */
+    double error;                     /* root mean square of the points' relative residuals */
+} costs_technique;
+
+typedef struct costs {
+    char device[256]; /* that it was measured on */
+    costs_technique *techniques;
+    uint32_t count;
+    double ns; /* of a blended fragment; 0: unknown */
+} costs;
+
+/* ---- terms ----------------------------------------------------------------------------------- */
+
+/* What a technique of this note works on in a frame. `nearest`: fragments a pixel that the frame's
+ * holder (the capture or stream) keeps, 0 = all. */
+void costs_terms(const modules_technique_note *note, const strata_scene_stats *stats,
+                 double nearest, double terms[COSTS_TERMS]);
+
+/* The module's own; 0: it has none. */
+int costs_of_module(const modules_technique_note *note, double coefficients[COSTS_TERMS]);
+
+/* Those to plan with: measured where there are any (c may be NULL). Returns the number of points
+ * that they rest on, 0 for the module's, -1 when there are none at all. */
+int costs_of(const costs *c, const modules_technique_note *note, double coefficients[COSTS_TERMS]);
+
+/* Coefficients times terms; and, where the technique was measured on terms like these, as much more
+ * or less as it took there than the coefficients say: all of it for the same terms. */
+double costs_expect(const costs *c, const modules_technique_note *note,
+                    const double coefficients[COSTS_TERMS], const double terms[COSTS_TERMS]);
+double costs_sum(const double coefficients[COSTS_TERMS], const double terms[COSTS_TERMS]);
+
+/* The knob that says how many fragments a pixel keep their place: an INT that trades accuracy.
+ * Index or -1. */
+int costs_count_knob(const modules_technique_note *note);
+
+/* ---- points ---------------------------------------------------------------------------------- */
+
+/* Takes a measurement; equal terms share a point. 0: it is no measurement, or there is no room. */
+int costs_add(costs *c, const char *technique, const double terms[COSTS_TERMS], double ms);
+
+/* Fits all techniques of which there are notes, and the unit. Coefficients are not negative; the
+ * sum of squared relative residuals is least, and where few points leave them open they stay near
+ * the module's, scaled alike. */
+void costs_fit(costs *c, const modules_note *const *notes, uint32_t count);
+
+void costs_free(costs *c); /* what it holds */
+
+/* ---- files (costs_file.c) -------------------------------------------------------------------- */
+
+/* Points of this device as the folder has them; empty where there are none. What does not check out
+ * is ignored as a whole, with a line in the log. *c is the caller's. OUT_OF_HOST_MEMORY. */
+strata_result costs_load(const char *folder, const char *device, costs *c, base_error *err);
+/* Beside, then renamed. IO. */
+strata_result costs_save(const char *folder, const costs *c, base_error *err);
+
+#endif

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Learning what techniques cost here: the passes of a frame become points of the device
+ * (plan/costs.h), which the plans after it go by.
+ */
+#include "render/render.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static strata_result fit(strata *s, base_error *err) {
+    strata_result r = render_modules(s, err);
+    const modules_note **notes = r == STRATA_OK ? render_notes(s) : NULL;
+    if (r == STRATA_OK && !notes)
+        r = base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "costs: out of memory");
+    if (r == STRATA_OK)
+        costs_fit(&s->costs, notes, modules_count(s->modules));
+    free(notes);
+    return r;
+}
+
+strata_result render_costs_load(strata *s, base_error *err) {
+    const gpu_device_info *info = &s->device_info;
+    char device[sizeof s->costs.device];
+    costs_free(&s->costs);
+    snprintf(device, sizeof device, "%.120s, %.20s, %.100s", info->name, info->backend, info->driver);
+    strata_result r = costs_load(s->cache_dir, device, &s->costs, err);
+    return r == STRATA_OK ? fit(s, err) : r;
+}
+
+/* Points are taken with knobs at their presets, but for those that the terms tell: others are of
+ * another technique, so to say. */
+static int is_typical(const plan_technique *t) {
+    const int count = costs_count_knob(t->technique);
+    for (uint32_t i = 0; i < t->technique->knob_count; ++i)
+        if ((int)i != count && t->values[i] != t->technique->knobs[i]->preset)
+            return 0;
+    return 1;
+}
+
+/* Of all its passes; below 0 where one was not measured. */
+static double time_of(const render_result *result, const char *technique) {
+    double sum = 0;
+    for (uint32_t i = 0; i < result->pass_count && sum >= 0; ++i)
+        if (strcmp(result->passes[i].owner, technique) == 0)
+            sum = result->passes[i].gpu_ms < 0 ? -1 : sum + result->passes[i].gpu_ms;
+    return sum;
+}
+
+/* What the frame's holder keeps of each pixel, 0 = all. */
+static double kept_by(const plan *p) {
+    for (uint32_t i = 0; i < p->technique_count; ++i) {
+        const plan_technique *t = &p->techniques[i];
+        const int knob = costs_count_knob(t->technique);
+        if (knob >= 0 && (strcmp(t->technique->stage, "capture") == 0 ||
+                          strcmp(t->technique->stage, "stream") == 0))
+            return t->values[knob];
+    }
+    return 0;
+}
+
+void render_learn(strata *s) {
+    const render_session *session = s->session;
+    const render_result *result = &s->result;
+    const render_figures *last = &result->frames[result->frame_count - 1];
+    double terms[COSTS_TERMS];
+    base_error err = {0};
+    int learnt = 0;
+    if (last->prepared || last->retries || session->certify || result->has_deep)
+        return;
+    for (uint32_t i = 0; i < session->plan->technique_count; ++i) {
+        const plan_technique *t = &session->plan->techniques[i];
+        const double ms = time_of(result, t->technique->id);
+        costs_terms(t->technique, &session->plan->stats, kept_by(session->plan), terms);
+        learnt |= is_typical(t) && costs_add(&s->costs, t->technique->id, terms, ms);
+    }
+    if (!learnt)
+        return;
+    strata_result r = fit(s, &err);
+    if (r == STRATA_OK && s->cache_dir)
+        r = costs_save(s->cache_dir, &s->costs, &err);
+    if (r != STRATA_OK)
+        render_warn(s, "what the frame cost is not kept: %s", err.text);
+}
