@@ -112,6 +112,10 @@ void main() {
 #else
     bool ours = !transparent;
 #endif
+#ifdef HIZ_SECOND
+    if (item == 0u)
+        ever = 1u;
+#endif
     uint state = strata_object_states[item];
     if (ours) {
         bool bounded = (object.flags & STRATA_OBJECT_UNBOUNDED) == 0u;
@@ -122,8 +126,6 @@ void main() {
 #ifdef HIZ_SECOND
         bool drawn = state < STRATA_OUTSIDE;
         seen[item] = uint(draws);
-        if (item == 0u)
-            ever = 1u;
         draws = draws && !drawn;
         if (drawn)
             judged = state;
