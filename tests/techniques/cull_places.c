@@ -98,8 +98,10 @@ void cull_behind(cull_random *random, uint32_t width, uint32_t height, uint32_t 
             high[axis] = low[axis] + long_side;
         }
     }
-    static const double behind[] = {0, 1e-6, 1e-4, 1, 7, 40};
-    const double front = -behind[cull_below(random, 6)];
+    /* Few so close that roundings save them: of those in the hole only the nearest is visible. */
+    static const double close[] = {0, 1e-6, 1e-4, 1e-3};
+    const double front =
+        cull_below(random, 8) ? -cull_between(random, 0.01, 60) : -close[cull_below(random, 4)];
     box_of(low[0], high[0], low[1], high[1], front - cull_below(random, 3), front, world);
 }
 
@@ -124,8 +126,9 @@ static cull_instance place_near(cull_random *random, uint32_t number) {
     return in;
 }
 
-static cull_instance place_coplanar(cull_random *random) {
-    cull_instance in = {.mesh = cull_below(random, 2) ? CULL_QUAD : CULL_OTHER_QUAD};
+/* No two neighbours are of one mesh: each is a draw of its own. */
+static cull_instance place_coplanar(cull_random *random, uint32_t number) {
+    cull_instance in = {.mesh = number % 2 ? CULL_QUAD : CULL_OTHER_QUAD};
     const double x = cull_below(random, 33) * 0.5 - 8, y = cull_below(random, 33) * 0.5 - 8;
     const double w = (1 + cull_below(random, 16)) * 0.5, h = (1 + cull_below(random, 16)) * 0.5;
     const uint32_t plane = cull_below(random, 6);
@@ -160,10 +163,10 @@ static cull_instance place_sliver(cull_random *random, uint32_t number) {
 
 static cull_instance place_any(const cull_case *c, cull_random *random, uint32_t number) {
     cull_instance in = {.mesh = (uint32_t[]){CULL_BOX, CULL_QUAD, CULL_BALL, CULL_BOX}[number % 4]};
-    const int big = number < 8;
+    const int big = number < 5;
     double at[3];
     anywhere(random, big ? 6 : 10, at);
-    any_transform(random, big ? 2 : 0.02, big ? 14 : 1.5, at, in.world);
+    any_transform(random, big ? 1 : 0.05, big ? 9 : 3, at, in.world);
     if (c->kind == CULL_CLUSTERS) {
         in.mesh = number % 4 == 3 ? CULL_BOX : CULL_BALL;
         any_transform(random, 0.5, 6, at, in.world);
@@ -183,7 +186,7 @@ cull_instance cull_place(const cull_case *c, cull_random *random, uint32_t numbe
     case CULL_NEAR:
         return place_near(random, number);
     case CULL_COPLANAR:
-        return place_coplanar(random);
+        return place_coplanar(random, number);
     case CULL_SLIVERS:
         return place_sliver(random, number);
     default:

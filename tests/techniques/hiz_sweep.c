@@ -41,7 +41,7 @@ static json_t *counts_json(const cull_counts *n, uint32_t failures, double secon
 }
 
 static const uint32_t kind_objects[CULL_KINDS] = {
-    [CULL_HOLES] = 400,   [CULL_NEAR] = 300,     [CULL_RANDOM] = 600, [CULL_COPLANAR] = 300,
+    [CULL_HOLES] = 48,    [CULL_NEAR] = 300,     [CULL_RANDOM] = 600, [CULL_COPLANAR] = 300,
     [CULL_SLIVERS] = 500, [CULL_CLUSTERS] = 150, [CULL_GLASS] = 300,  [CULL_DEFORM] = 300};
 
 /* Until the kind has had its share. */

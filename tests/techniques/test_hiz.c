@@ -66,15 +66,17 @@ static void show(const char *what, const cull_counts *n) {
 static void holes_of_a_pixel_at_every_offset(void **state) {
     (void)state;
     static const uint32_t sizes[][2] = {{1, 1}, {2, 2}, {3, 3}, {5, 5}, {17, 3}, {3, 17}, {17, 17}};
+    static const char *const taps[] = {"hiz.taps=2", "hiz.taps=4", "hiz.taps=8"};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i)
-        for (uint64_t seed = 1; seed <= (i < 6 ? 4 : 1); ++seed)
+        for (uint64_t seed = 1; seed <= (i < 6 ? 9 : 3); ++seed)
             run_on_both((cull_case){.kind = CULL_HOLES,
                                     .seed = seed * 101 + i,
-                                    .objects = 60,
+                                    .objects = 14,
                                     .frames = sizes[i][0] * sizes[i][1],
                                     .width = sizes[i][0],
                                     .height = sizes[i][1],
-                                    .sweep_holes = 1});
+                                    .sweep_holes = 1,
+                                    .settings = {taps[seed % 3], "hiz.history=keep"}});
 }
 
 static void holes_in_larger_images(void **state) {
@@ -83,8 +85,8 @@ static void holes_in_larger_images(void **state) {
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i)
         run_on_both((cull_case){.kind = CULL_HOLES,
                                 .seed = 7 + i,
-                                .objects = 150,
-                                .frames = i == 1 ? 2 : 8,
+                                .objects = 24,
+                                .frames = i == 1 ? 4 : 16,
                                 .width = sizes[i][0],
                                 .height = sizes[i][1]});
 }
@@ -190,6 +192,69 @@ static void everything_behind_a_wall_is_culled(void **state) {
         assert_int_equal(report->occluded, 59);
         assert_int_equal(report->visible, 1);
         strata_scene_close(sc);
+    }
+}
+
+/* As many draws as there is room for, in one round or in two; numbers around those of chunks and
+ * work groups. */
+static void every_object_may_be_drawn(void **state) {
+    (void)state;
+    enum { SIDE = 47, PIXELS = SIDE * 3 };
+    static const uint32_t counts[] = {1, 2, 31, 32, 33, 63, 65, 2047, 2048, 2049, 2209};
+    static const char *const histories[] = {"hiz.history=keep", "hiz.history=random",
+                                            "hiz.history=all", "hiz.history=none"};
+    static float depth[2][PIXELS * PIXELS][4];
+    const strata_camera_pose pose = {.struct_size = sizeof pose,
+                                     .eye = {0, 0, 10},
+                                     .up = {0, 1, 0},
+                                     .height = SIDE,
+                                     .near = 1,
+                                     .far = 20};
+    for (size_t i = 0; i < 2 * sizeof counts / sizeof *counts; ++i) {
+        const cull_rig *rig = &rigs[i % 2];
+        const cull_case c = {.kind = CULL_COPLANAR, .seed = i, .objects = counts[i / 2]};
+        if (!rig->culled)
+            continue;
+        for (int k = 0; k < 2; ++k) {
+            strata *s = k ? rig->plain : rig->culled;
+            strata_scene *sc = cull_scene(s, &c);
+            const strata_render_options options = {.struct_size = sizeof options,
+                                                   .width = PIXELS,
+                                                   .height = PIXELS,
+                                                   .outputs = STRATA_OUTPUT_DEPTH,
+                                                   .use = k ? "surface" : "surface,hiz,cullcheck",
+                                                   .settings = &histories[i % 4],
+                                                   .setting_count = k ? 0 : 1,
+                                                   .pose = &pose,
+                                                   .repeat = 2};
+            assert_non_null(sc);
+            for (uint32_t n = 0; n < c.objects; ++n) {
+                const float cell[16] = {1,
+                                        0,
+                                        0,
+                                        0,
+                                        0,
+                                        1,
+                                        0,
+                                        0,
+                                        0,
+                                        0,
+                                        1,
+                                        0,
+                                        (float)(n % SIDE) - 23,
+                                        (float)(n / SIDE) - 23,
+                                        (float)(n % 7),
+                                        1};
+                assert_int_equal(strata_scene_set_transform(sc, n, cell), STRATA_OK);
+            }
+            if (strata_render(s, sc, &options) != STRATA_OK)
+                fail_msg("%u objects: %s", c.objects, strata_error(s));
+            if (k == 0)
+                assert_int_equal(s->session->report.visible, c.objects);
+            strata_read(s, STRATA_OUTPUT_DEPTH, depth[k][0], sizeof depth[k]);
+            strata_scene_close(sc);
+        }
+        assert_memory_equal(depth[0], depth[1], sizeof depth[0]);
     }
 }
 
@@ -342,6 +407,7 @@ int main(void) {
         cmocka_unit_test(the_pyramid_is_shown_as_it_is),
         cmocka_unit_test(states_are_shown),
         cmocka_unit_test(everything_behind_a_wall_is_culled),
+        cmocka_unit_test(every_object_may_be_drawn),
         cmocka_unit_test(holes_of_a_pixel_at_every_offset),
         cmocka_unit_test(holes_in_larger_images),
         cmocka_unit_test(walls_beside_the_eye),
