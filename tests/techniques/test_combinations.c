@@ -5,8 +5,9 @@
  * backends. What is installed is read from the modules' notes; no technique is named here but the
  * reference's.
  *
- * A variant is a technique with one knob set. Variants of the knobs that decide what is kept (mode,
- * k) are crossed with each other, with every clip and with the filter; the others stand alone.
+ * Variants (plan/variants.h) are techniques with one knob set. Those of the knobs that decide what
+ * is kept (mode, k) are crossed with each other, with every clip and with the filter; the others
+ * stand alone.
  */
 #include "techniques/picture.h"
 
@@ -19,33 +20,20 @@
 
 #include <cmocka.h>
 
+#include "plan/variants.h"
 #include "render/render.h"
 
-enum { MAX_VARIANTS = 192, MAX_TOLD = 64 };
+enum { MAX_TOLD = 64 };
 
 static const char *const backends[] = {"vulkan", "gl"};
 static const char *const payloads[] = {"float", "half", "unorm8"};
 static const uint32_t sample_counts[] = {1, 4};
 
-typedef struct variant {
-    const modules_technique_note *technique;
-    char setting[96]; /* "" = presets */
-    uint32_t payload; /* of its records, index into payloads */
-    int crossed;      /* with clips, filter and the partner's variants */
-    int exact;        /* all fragments, in order, to the bit */
-    int orderly;      /* the same bits on each run */
-} variant;
-
-typedef struct variants {
-    variant at[MAX_VARIANTS];
-    uint32_t count;
-} variants;
-
 /* A frame as it is asked for. clip and resolve may be NULL. */
 typedef struct combination {
     const modules_technique_note *clip;
-    const variant *capture; /* or stream */
-    const variant *resolve;
+    const plan_variant *capture; /* or stream */
+    const plan_variant *resolve;
     uint32_t samples;
     char use[192], what[512];
 } combination;
@@ -69,110 +57,6 @@ typedef struct bench {
     shown (*references)[3]; /* [sample_counts][payloads], of the first backend */
     tally *counts;
 } bench;
-
-/* ---- variants -------------------------------------------------------------------------------- */
-
-static int stage_is(const modules_technique_note *t, const char *stage) {
-    return strcmp(t->stage, stage) == 0;
-}
-
-/* Whether it promises the exact bits on a scene so deep, with `k` for its knob k. */
-static int promises_exact(const modules_technique_note *t, double k, uint32_t depth) {
-    const strata_promises *p = t->promises;
-    if (!p || p->determinism != STRATA_DETERMINISM_BIT ||
-        (p->largest_depth && p->largest_depth < depth))
-        return 0;
-    return p->order == STRATA_ORDER_EXACT ||
-           (p->order == STRATA_ORDER_NEAREST && (k == 0 || k >= depth));
-}
-
-static double preset_k(const modules_technique_note *t) {
-    for (uint32_t i = 0; i < t->knob_count; ++i)
-        if (strcmp(t->knobs[i]->name, "k") == 0)
-            return t->knobs[i]->preset;
-    return 1; /* none: one that keeps the nearest only may keep one */
-}
-
-static variant *add(variants *v, const modules_technique_note *t, uint32_t depth) {
-    if (v->count == MAX_VARIANTS)
-        fail_msg("more than %d variants", MAX_VARIANTS);
-    variant *added = &v->at[v->count++];
-    const strata_promises *p = t->promises;
-    *added = (variant){.technique = t,
-                       .crossed = 1,
-                       .exact = promises_exact(t, preset_k(t), depth),
-                       .orderly = p && p->determinism == STRATA_DETERMINISM_BIT};
-    return added;
-}
-
-static void add_choices(variants *v, const modules_technique_note *t, const strata_knob *knob,
-                        uint32_t depth) {
-    for (uint32_t c = 0; knob->choices[c]; ++c) {
-        if ((double)c == knob->preset)
-            continue;
-        variant *added = add(v, t, depth);
-        snprintf(added->setting, sizeof added->setting, "%s.%s=%s", t->id, knob->name,
-                 knob->choices[c]);
-        added->crossed = strcmp(knob->name, "mode") == 0;
-        if (strcmp(knob->name, "payload") != 0) {
-            added->exact &= !knob->trades_accuracy || (double)c < knob->preset;
-            continue;
-        }
-        while (strcmp(payloads[added->payload], knob->choices[c]) != 0)
-            if (++added->payload == 3)
-                fail_msg("%s: an unknown payload", added->setting);
-    }
-}
-
-/* Without bound, fewer than there are, one fewer, and as many. */
-static void add_counts(variants *v, const modules_technique_note *t, const strata_knob *knob,
-                       uint32_t depth) {
-    const double values[] = {0, 3, depth - 1.0, depth};
-    for (size_t i = 0; i < sizeof values / sizeof *values; ++i) {
-        if (values[i] < knob->minimum || values[i] > knob->maximum || values[i] == knob->preset)
-            continue;
-        variant *added = add(v, t, depth);
-        snprintf(added->setting, sizeof added->setting, "%s.k=%.0f", t->id, values[i]);
-        added->exact = promises_exact(t, values[i], depth);
-    }
-}
-
-static void add_numbers(variants *v, const modules_technique_note *t, const strata_knob *knob,
-                        uint32_t depth) {
-    const double values[] = {knob->minimum, knob->maximum};
-    for (size_t i = 0; i < 2; ++i) {
-        if (values[i] == knob->preset)
-            continue;
-        variant *added = add(v, t, depth);
-        snprintf(added->setting, sizeof added->setting, "%s.%s=%.17g", t->id, knob->name,
-                 values[i]);
-        added->crossed = 0;
-        added->exact &= !knob->trades_accuracy || values[i] > knob->preset;
-    }
-}
-
-static void add_technique(variants *v, const modules_technique_note *t, uint32_t depth) {
-    add(v, t, depth);
-    for (uint32_t i = 0; i < t->knob_count; ++i) {
-        const strata_knob *knob = t->knobs[i];
-        if (knob->type == STRATA_KNOB_CHOICE)
-            add_choices(v, t, knob, depth);
-        else if (strcmp(knob->name, "k") == 0)
-            add_counts(v, t, knob, depth);
-        else
-            add_numbers(v, t, knob, depth);
-    }
-}
-
-static void collect(const modules *installed, const char *stage, uint32_t depth, variants *out) {
-    out->count = 0;
-    for (uint32_t m = 0; m < modules_count(installed); ++m) {
-        const modules_note *note = modules_note_at(installed, m);
-        for (uint32_t i = 0; i < note->technique_count; ++i)
-            if (stage_is(&note->techniques[i], stage))
-                add_technique(out, &note->techniques[i], depth);
-    }
-}
 
 /* ---- rendering ------------------------------------------------------------------------------- */
 
@@ -199,10 +83,10 @@ static void free_shown(shown *s) {
 static strata_render_options options_of(const bench *b, const combination *c,
                                         const char *settings[2]) {
     uint32_t count = 0;
-    if (c->capture->setting[0])
-        settings[count++] = c->capture->setting;
-    if (c->resolve && c->resolve->setting[0])
-        settings[count++] = c->resolve->setting;
+    if (c->capture->settings[0][0])
+        settings[count++] = c->capture->settings[0];
+    if (c->resolve && c->resolve->settings[0][0])
+        settings[count++] = c->resolve->settings[0];
     return (strata_render_options){.struct_size = sizeof(strata_render_options),
                                    .width = b->scene->width,
                                    .height = b->scene->height,
@@ -219,7 +103,8 @@ static void describe(combination *c, const bench *b) {
              c->capture->technique->id, c->resolve ? "," : "",
              c->resolve ? c->resolve->technique->id : "");
     snprintf(c->what, sizeof c->what, "%s on %s: %s %s %s, %u samples", b->scene->path, b->backend,
-             c->use, c->capture->setting, c->resolve ? c->resolve->setting : "", c->samples);
+             c->use, c->capture->settings[0], c->resolve ? c->resolve->settings[0] : "",
+             c->samples);
 }
 
 static void tell_refusal(bench *b, const combination *c) {
@@ -235,8 +120,8 @@ static void tell_refusal(bench *b, const combination *c) {
         snprintf(t->told[t->told_count++], sizeof t->told[0], "%s", line);
 }
 
-/* 0: the plan refuses it, or this device has not what a knob was set to. What is planned must render
- * otherwise, and by the techniques asked for. */
+/* 0: the plan refuses it, or this device has not what a knob was set to. What is planned must
+ * render otherwise, and by the techniques asked for. */
 static int render(bench *b, combination *c, shown *out) {
     const char *settings[2];
     describe(c, b);
@@ -315,17 +200,18 @@ static void judge(bench *b, const combination *c, const shown *s) {
 
 /* ---- enumerating ----------------------------------------------------------------------------- */
 
-static variant reference_capture(const bench *b, uint32_t payload) {
-    variant v = {.technique = modules_find_technique(b->installed, "abuffer"), .payload = payload};
-    snprintf(v.setting, sizeof v.setting, "abuffer.payload=%s", payloads[payload]);
+static plan_variant reference_capture(const bench *b, uint32_t payload) {
+    plan_variant v = {.technique = modules_find_technique(b->installed, "abuffer"),
+                      .payload = payload};
+    snprintf(v.settings[0], sizeof v.settings[0], "abuffer.payload=%s", payloads[payload]);
     return v;
 }
 
 static void render_references(bench *b) {
-    const variant ppc = {.technique = modules_find_technique(b->installed, "ppc")};
+    const plan_variant ppc = {.technique = modules_find_technique(b->installed, "ppc")};
     for (size_t s = 0; s < 2; ++s)
         for (uint32_t p = 0; p < 3; ++p) {
-            const variant abuffer = reference_capture(b, p);
+            const plan_variant abuffer = reference_capture(b, p);
             combination c = {.capture = &abuffer, .resolve = &ppc, .samples = sample_counts[s]};
             if (!b->references[s][p].color.pixels && !render(b, &c, &b->references[s][p]))
                 fail_msg("%s: %s", c.what, strata_error(b->instance));
@@ -333,7 +219,7 @@ static void render_references(bench *b) {
 }
 
 /* Without a clip and with each; a clip only spares work: it leaves the picture as it is. */
-static void with_clips(bench *b, const variants *clips, combination c, int crossed) {
+static void with_clips(bench *b, const plan_variants *clips, combination c, int crossed) {
     shown plain = {0};
     if (!render(b, &c, &plain))
         return;
@@ -341,7 +227,7 @@ static void with_clips(bench *b, const variants *clips, combination c, int cross
     const int orderly = c.capture->orderly && (!c.resolve || c.resolve->orderly);
     for (uint32_t i = 0; i < clips->count && crossed; ++i) {
         shown clipped = {0};
-        if (clips->at[i].setting[0])
+        if (clips->at[i].settings[0][0])
             continue;
         c.clip = clips->at[i].technique;
         if (!render(b, &c, &clipped))
@@ -354,8 +240,8 @@ static void with_clips(bench *b, const variants *clips, combination c, int cross
     free_shown(&plain);
 }
 
-static void with_samples(bench *b, const variants *clips, const variant *capture,
-                         const variant *resolve) {
+static void with_samples(bench *b, const plan_variants *clips, const plan_variant *capture,
+                         const plan_variant *resolve) {
     const int crossed = capture->crossed && (!resolve || resolve->crossed);
     for (size_t s = 0; s < (crossed ? 2u : 1u); ++s)
         with_clips(
@@ -364,18 +250,29 @@ static void with_samples(bench *b, const variants *clips, const variant *capture
             crossed);
 }
 
+static void collect(const bench *b, const char *stage, plan_variants *out) {
+    base_error err = {0};
+    if (plan_variants_collect(b->installed, stage, b->scene->depth, PLAN_BREADTH_EDGES, out,
+                              &err) != STRATA_OK)
+        fail_msg("%s", err.text);
+}
+
 static void every_combination(bench *b) {
-    static variants clips, captures, resolves, streams;
-    collect(b->installed, "clip", b->scene->depth, &clips);
-    collect(b->installed, "capture", b->scene->depth, &captures);
-    collect(b->installed, "resolve", b->scene->depth, &resolves);
-    collect(b->installed, "stream", b->scene->depth, &streams);
+    plan_variants clips = {0}, captures = {0}, resolves = {0}, streams = {0};
+    collect(b, "clip", &clips);
+    collect(b, "capture", &captures);
+    collect(b, "resolve", &resolves);
+    collect(b, "stream", &streams);
     for (uint32_t i = 0; i < captures.count; ++i)
         for (uint32_t k = 0; k < resolves.count; ++k)
-            if (captures.at[i].crossed || resolves.at[k].crossed)
+            if (plan_variants_meet(&captures.at[i], &resolves.at[k], PLAN_BREADTH_EDGES))
                 with_samples(b, &clips, &captures.at[i], &resolves.at[k]);
     for (uint32_t i = 0; i < streams.count; ++i)
         with_samples(b, &clips, &streams.at[i], NULL);
+    free(clips.at);
+    free(captures.at);
+    free(resolves.at);
+    free(streams.at);
 }
 
 static void combinations_render(void **state) {
