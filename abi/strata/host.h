@@ -157,9 +157,41 @@ STRATA_EXPORT strata_result strata_plan(strata *s, strata_scene *scene,
 /* Installed modules, techniques, effects, knobs; devices; procedural scenes. */
 STRATA_EXPORT strata_result strata_list(strata *s, strata_write_fn write, void *user);
 
-/* Compares two image files of one size: {"max","rmse","psnr"}; heat: PNG path or NULL. */
+/* Every way to render this scene: the installed techniques with the knobs that trade accuracy (all
+ * not 0: with the others too) at values that matter for the scene, in all combinations that the slots
+ * allow and the plan accepts on this device. options: as for strata_render, without use, settings and
+ * tolerance. */
+STRATA_EXPORT strata_result strata_configurations(strata *s, strata_scene *scene,
+                                                  const strata_render_options *options, uint32_t all,
+                                                  strata_write_fn write, void *user);
+
+/* ---- comparing -------------------------------------------------------------------------------- */
+
+/* Maps are PNG files; NULL: none. Zero = default. */
+typedef struct strata_compare_options {
+    uint32_t struct_size;
+    uint32_t longest;         /* maps are made smaller until no side is longer; 0 = as they are */
+    const char *heat;         /* the largest difference of each pixel's channels */
+    const char *flip;         /* FLIP of each pixel */
+    double pixels_per_degree; /* of vision, for FLIP; 0 = 67 */
+} strata_compare_options;
+
+/* How far b is from a, the reference: {"max", "rmse", "psnr", "differing", "broken"} in linear light
+ * and "flip" in display space. Two image files of one size; or pixels as strata_read gives them.
+ * options NULL = defaults. INVALID_ARGUMENT: the sizes differ. */
 STRATA_EXPORT strata_result strata_compare(strata *s, const char *a, const char *b,
-                                           const char *heat, strata_write_fn write, void *user);
+                                           const strata_compare_options *options,
+                                           strata_write_fn write, void *user);
+STRATA_EXPORT strata_result strata_compare_pixels(strata *s, uint32_t width, uint32_t height,
+                                                  const float *a, const float *b,
+                                                  const strata_compare_options *options,
+                                                  strata_write_fn write, void *user);
+
+/* Saves pixels as strata_read gives them as PNG, made smaller until no side is longer (0: as they
+ * are). */
+STRATA_EXPORT strata_result strata_save_pixels(strata *s, uint32_t width, uint32_t height,
+                                               const float *pixels, uint32_t longest,
+                                               const char *path);
 
 #ifdef __cplusplus
 }

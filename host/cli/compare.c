@@ -4,16 +4,19 @@
  */
 #include "cli/cli.h"
 
-enum { KEY_JSON = 512, KEY_HEAT };
+enum { KEY_JSON = 512, KEY_HEAT, KEY_FLIP, KEY_PPD };
 
 static const struct argp_option options[] = {
     {"json", KEY_JSON, NULL, 0, "One JSON object instead of text", 0},
     {"heat", KEY_HEAT, "OUT.png", 0, "A picture of where they differ", 0},
+    {"flip", KEY_FLIP, "OUT.png", 0, "A picture of FLIP, from 0 (black) to 1 (white)", 0},
+    {"ppd", KEY_PPD, "N", 0, "Pixels per degree of vision, for FLIP; 67", 0},
     {0},
 };
 
 typedef struct request {
-    const char *files[2], *heat;
+    const char *files[2];
+    strata_compare_options options;
     int count, json;
 } request;
 
@@ -26,7 +29,16 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_HEAT:
         if (!cli_has_suffix(text, ".png"))
             argp_error(state, "--heat %s: the name ends in .png", text);
-        r->heat = text;
+        r->options.heat = text;
+        return 0;
+    case KEY_FLIP:
+        if (!cli_has_suffix(text, ".png"))
+            argp_error(state, "--flip %s: the name ends in .png", text);
+        r->options.flip = text;
+        return 0;
+    case KEY_PPD:
+        if (!cli_parse_number(text, 1, 1000, &r->options.pixels_per_degree))
+            argp_error(state, "--ppd %s: expected a number from 1 to 1000", text);
         return 0;
     case ARGP_KEY_ARG:
         if (r->count == 2)
@@ -49,7 +61,7 @@ static const struct argp argp = {
     .args_doc = "A B",
     .doc =
         "Compare two pictures of one size, .png or .exr: the largest difference, the root of the "
-        "mean square and PSNR, in linear RGBA.",
+        "mean square and PSNR, in linear RGBA, and FLIP as seen on a display. A is the reference.",
 };
 
 static void print_difference(const json_t *d) {
@@ -61,6 +73,9 @@ static void print_difference(const json_t *d) {
         printf("psnr       %.4f dB\n", json_number_value(psnr));
     else
         puts("psnr       infinite");
+    const json_t *flip = json_object_get(d, "flip");
+    printf("flip       %.6f mean, %.6f weighted median\n", cli_number(flip, "mean"),
+           cli_number(flip, "weighted_median"));
     printf("differing  %s pixels\n", cli_count(cli_number(d, "differing"), count));
     if (cli_number(d, "broken") > 0)
         printf("broken     %s pixels that are not finite\n",
@@ -68,7 +83,7 @@ static void print_difference(const json_t *d) {
 }
 
 int cli_compare(int argc, char **argv) {
-    request r = {0};
+    request r = {.options = {.struct_size = sizeof r.options}};
     cli_text text = {0};
     json_t *difference = NULL;
     strata *s = NULL;
@@ -77,7 +92,7 @@ int cli_compare(int argc, char **argv) {
         return CLI_USAGE;
     strata_result result = strata_open(NULL, &s);
     if (result == STRATA_OK)
-        result = strata_compare(s, r.files[0], r.files[1], r.heat, cli_text_write, &text);
+        result = strata_compare(s, r.files[0], r.files[1], &r.options, cli_text_write, &text);
     if (result != STRATA_OK)
         status = cli_fail(CLI_FAILED, "%s", strata_error(s));
     else if (r.json)

@@ -32,6 +32,39 @@ void image_free(image *im) {
     }
 }
 
+/* The mean of the source pixels [x0, x1) x [y0, y1). */
+static void average(const image *im, const uint32_t x[2], const uint32_t y[2], float out[4]) {
+    double sum[4] = {0};
+    for (uint32_t v = y[0]; v < y[1]; ++v)
+        for (uint32_t u = x[0]; u < x[1]; ++u)
+            for (size_t c = 0; c < 4; ++c)
+                sum[c] += (double)im->pixels[((size_t)v * im->width + u) * 4 + c];
+    for (size_t c = 0; c < 4; ++c)
+        out[c] = (float)(sum[c] / ((double)(x[1] - x[0]) * (y[1] - y[0])));
+}
+
+/* Where pixel i of `to` begins among `from`. */
+static uint32_t begin(uint32_t i, uint32_t from, uint32_t to) {
+    return (uint32_t)((uint64_t)i * from / to);
+}
+
+strata_result image_shrink(const image *im, uint32_t longest, image *out, base_error *err) {
+    const uint32_t side = im->width > im->height ? im->width : im->height;
+    const uint32_t to = longest && longest < side ? longest : side;
+    const uint32_t width = (uint32_t)((uint64_t)im->width * to / side),
+                   height = (uint32_t)((uint64_t)im->height * to / side);
+    strata_result r = image_create(width ? width : 1, height ? height : 1, out, err);
+    for (uint32_t v = 0; r == STRATA_OK && v < out->height; ++v)
+        for (uint32_t u = 0; u < out->width; ++u) {
+            const uint32_t x[2] = {begin(u, im->width, out->width),
+                                   begin(u + 1, im->width, out->width)};
+            const uint32_t y[2] = {begin(v, im->height, out->height),
+                                   begin(v + 1, im->height, out->height)};
+            average(im, x, y, out->pixels + ((size_t)v * out->width + u) * 4);
+        }
+    return r;
+}
+
 static int ends_in(const char *path, const char *ending) {
     size_t length = strlen(path), tail = strlen(ending);
     return length > tail && strcasecmp(path + length - tail, ending) == 0;

@@ -23,6 +23,9 @@ typedef struct image {
 
 /* All zero (transparent black). The caller frees with image_free; *out is zeroed on failure. */
 strata_result image_create(uint32_t width, uint32_t height, image *out, base_error *err);
+/* Averages of areas, without a side longer than `longest`; the same size when it is small enough.
+ */
+strata_result image_shrink(const image *im, uint32_t longest, image *out, base_error *err);
 void image_free(image *im); /* leaves it zeroed; NULL and a zeroed image are fine */
 
 /* By the name's ending: .png or .exr, in any case; anything else is an invalid argument. */
@@ -96,5 +99,21 @@ strata_result image_compare(const image *a, const image *b, image_difference *ou
  * a decade. Broken pixels are pure green, which is not on the ramp. The caller frees *out. */
 #define IMAGE_HEAT_FLOOR 1e-7
 strata_result image_heat_map(const image *a, const image *b, image *out, base_error *err);
+
+/* FLIP (Andersson et al. 2020), the difference seen when alternating between two pictures on a
+ * display: colours clamped to 0..1, alpha left out (over black). 0 the same .. 1 black to white. */
+#define IMAGE_FLIP_PIXELS_PER_DEGREE 67.0
+typedef struct image_flip {
+    double mean, max;
+    double
+        weighted_median; /* the value below which half of the sum of all values lies; 0 if all 0 */
+} image_flip;
+
+/* Symmetric, in spite of the names. map: a picture that the caller frees, on the heat map's ramp
+ * but even from 0 to 1, or NULL. Broken values read as 0. INVALID_ARGUMENT: the sizes differ, or
+ * pixels_per_degree is not within 1..1000. */
+strata_result image_flip_compare(const image *reference, const image *test,
+                                 double pixels_per_degree, image_flip *out, image *map,
+                                 base_error *err);
 
 #endif

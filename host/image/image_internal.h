@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the files of host/image share among themselves: decoders, and an EXR file being written into
- * a base_output. Not for other folders.
+ * What the files of host/image share among themselves: decoders, what comparing takes,
+ * and an EXR file being written into a base_output. Not for other folders.
  */
 #ifndef STRATA_HOST_IMAGE_INTERNAL_H
 #define STRATA_HOST_IMAGE_INTERNAL_H
@@ -14,6 +14,10 @@ strata_result image_decode_png(const char *name, const void *data, size_t size, 
                                base_error *err);
 strata_result image_decode_exr(const char *name, const void *data, size_t size, image *out,
                                base_error *err);
+
+/* Colour t, 0..1, of the heat map's ramp (image.h). */
+void image_ramp(double t, float out[4]);
+strata_result image_same_size(const image *a, const image *b, base_error *err);
 
 /* One EXR part under construction: open, exr_add_channel on `context` for each channel, header,
  * chunks, and close, which commits the file when `result` is OK and the library could finish it,

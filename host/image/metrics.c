@@ -3,7 +3,7 @@
  * How far two images are apart: maximum, RMSE and PSNR in linear float, and a map of where.
  * Sums are in double, row by row in file order, so that a result is the same everywhere.
  */
-#include "image/image.h"
+#include "image/image_internal.h"
 
 #include <math.h>
 
@@ -23,7 +23,7 @@ static int pixel_difference(const float *a, const float *b, double *max, double 
     return 1;
 }
 
-static strata_result check_sizes(const image *a, const image *b, base_error *err) {
+strata_result image_same_size(const image *a, const image *b, base_error *err) {
     if (a->width != b->width || a->height != b->height) {
         return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
                          "the images differ in size: %u x %u and %u x %u", a->width, a->height,
@@ -35,7 +35,7 @@ static strata_result check_sizes(const image *a, const image *b, base_error *err
 strata_result image_compare(const image *a, const image *b, image_difference *out,
                             base_error *err) {
     *out = (image_difference){0};
-    strata_result result = check_sizes(a, b, err);
+    strata_result result = image_same_size(a, b, err);
     if (result != STRATA_OK)
         return result;
     double total = 0;
@@ -65,7 +65,7 @@ strata_result image_compare(const image *a, const image *b, image_difference *ou
 
 /* The ramp, t in 0..1: lightness t, hue and chroma as the header tells, in Oklab (Ottosson 2020),
  * whose L is built so that equal steps look equal. Out-of-gamut values are clamped. */
-static void ramp(double t, float out[4]) {
+void image_ramp(double t, float out[4]) {
     double angle = (265 + 210 * t) * (3.14159265358979323846 / 180);
     double chroma = 0.75 * t * (1 - t); /* none at black and white */
     double a = chroma * cos(angle), b = chroma * sin(angle);
@@ -85,7 +85,7 @@ static void ramp(double t, float out[4]) {
 
 strata_result image_heat_map(const image *a, const image *b, image *out, base_error *err) {
     *out = (image){0};
-    strata_result result = check_sizes(a, b, err);
+    strata_result result = image_same_size(a, b, err);
     if (result == STRATA_OK)
         result = image_create(a->width, a->height, out, err);
     if (result != STRATA_OK)
@@ -98,7 +98,7 @@ strata_result image_heat_map(const image *a, const image *b, image *out, base_er
             continue;
         }
         double t = max > IMAGE_HEAT_FLOOR ? 1 - log10(max) / log10(IMAGE_HEAT_FLOOR) : 0;
-        ramp(fmin(t, 1), to);
+        image_ramp(fmin(t, 1), to);
     }
     return STRATA_OK;
 }

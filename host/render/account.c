@@ -212,5 +212,6 @@ json_t *render_account_json(const strata *s) {
         (int)result->bands, "stalls", (int)result->stalls, "warnings",
         render_warnings_json(s, session->scene, session->plan));
     add_report(account, &result->report);
+    json_object_set_new(account, "complexity", render_complexity_json(s));
     return account;
 }

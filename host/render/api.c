@@ -208,8 +208,7 @@ strata_result strata_scene_camera(strata_scene *sc, const char *camera, uint32_t
 
 /* ---- texts ----------------------------------------------------------------------------------- */
 
-/* Writes the object and lets go of it. */
-static strata_result write_json(strata *s, json_t *object, strata_write_fn write, void *user) {
+strata_result render_write_json(strata *s, json_t *object, strata_write_fn write, void *user) {
     char *text = object ? json_dumps(object, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
     strata_result r = STRATA_ERROR_OUT_OF_HOST_MEMORY;
     if (text)
@@ -229,7 +228,7 @@ strata_result strata_account(strata *s, strata_write_fn write, void *user) {
         return base_fail(&s->error, STRATA_ERROR_INVALID_STATE, "%s",
                          s->result.valid ? "the scene that was rendered is closed"
                                          : "nothing was rendered yet");
-    return write_json(s, render_account_json(s), write, user);
+    return render_write_json(s, render_account_json(s), write, user);
 }
 
 static void add_device(void *user, const gpu_device_info *info, uint32_t index) {
@@ -298,44 +297,7 @@ strata_result strata_list(strata *s, strata_write_fn write, void *user) {
                                plan_json_modules(notes, count), "rejected", rejected, "devices",
                                devices, "scenes", scenes_json());
     free(notes);
-    return write_json(s, object, write, user);
-}
-
-static strata_result compare_files(const char *a, const char *b, const char *heat,
-                                   image_difference *difference, base_error *err) {
-    image left = {0}, right = {0}, map = {0};
-    strata_result r = image_read(a, &left, err);
-    if (r == STRATA_OK)
-        r = image_read(b, &right, err);
-    if (r == STRATA_OK)
-        r = image_compare(&left, &right, difference, err);
-    if (r == STRATA_OK && heat) {
-        r = image_heat_map(&left, &right, &map, err);
-        if (r == STRATA_OK)
-            r = image_write_png(&map, heat, err);
-    }
-    image_free(&left);
-    image_free(&right);
-    image_free(&map);
-    return r;
-}
-
-static json_t *finite_json(double value) {
-    return value - value == 0 ? json_real(value) : json_null();
-}
-
-strata_result strata_compare(strata *s, const char *a, const char *b, const char *heat,
-                             strata_write_fn write, void *user) {
-    image_difference d;
-    s->error = (base_error){0};
-    strata_result r = compare_files(a, b, heat, &d, &s->error);
-    if (r != STRATA_OK)
-        return r;
-    return write_json(s,
-                      json_pack("{s:o, s:o, s:o, s:I, s:I}", "max", finite_json(d.max), "rmse",
-                                finite_json(d.rmse), "psnr", finite_json(d.psnr), "differing",
-                                (json_int_t)d.differing, "broken", (json_int_t)d.broken),
-                      write, user);
+    return render_write_json(s, object, write, user);
 }
 
 /* ---- plan ------------------------------------------------------------------------------------ */
@@ -370,5 +332,29 @@ strata_result strata_plan(strata *s, strata_scene *sc, const strata_render_optio
         json_object_set_new(object, "warnings", render_warnings_json(s, sc->scene, p));
     }
     plan_free(p);
-    return write_json(s, object, write, user);
+    return render_write_json(s, object, write, user);
+}
+
+strata_result strata_configurations(strata *s, strata_scene *sc, const strata_render_options *given,
+                                    uint32_t all, strata_write_fn write, void *user) {
+    strata_render_options options;
+    scene_view view;
+    json_t *object = NULL;
+    s->error = (base_error){0};
+    strata_result r = render_own(s, sc, &s->error);
+    if (r == STRATA_OK)
+        r = render_options(given, &options, &s->error);
+    if (r == STRATA_OK && (options.use || options.setting_count || options.tolerance > 0))
+        r = base_fail(&s->error, STRATA_ERROR_INVALID_ARGUMENT,
+                      "configurations: use, settings and tolerance are what it looks for");
+    if (r == STRATA_OK)
+        r = render_device(s, &s->error);
+    if (r == STRATA_OK)
+        r = render_view(s, sc->scene, &options, 0, &view, &s->error);
+    if (r == STRATA_OK)
+        r = render_configurations(s, sc->scene, &options, &view, all != 0, &object, &s->error);
+    if (r == STRATA_OK)
+        return render_write_json(s, object, write, user);
+    json_decref(object);
+    return r;
 }

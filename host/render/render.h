@@ -16,6 +16,9 @@
  *     deep.c      fragments as elements, for deep images
  *     account.c   what it cost
  *     learn.c     and what the plan learns of that
+ *     complexity.c  how many fragments pixels hold, and how many they need
+ *     configurations.c  every way to render a scene
+ *     compare.c   strata/host.h: how far pictures are apart
  */
 #ifndef STRATA_HOST_RENDER_H
 #define STRATA_HOST_RENDER_H
@@ -224,6 +227,10 @@ struct strata {
     uint32_t raise;  /* of the plan: how often the tolerance was missed in this render */
 };
 
+/* ---- api.c ----------------------------------------------------------------------------------- */
+/* Writes the object and lets go of it. */
+strata_result render_write_json(strata *s, json_t *object, strata_write_fn write, void *user);
+
 /* ---- render.c -------------------------------------------------------------------------------- */
 /* INVALID_ARGUMENT unless the scene is one of the instance's. */
 strata_result render_own(const strata *s, const strata_scene *sc, base_error *err);
@@ -321,6 +328,16 @@ void render_deep_free(render_deep *deep);
 strata_result render_costs_load(strata *s, base_error *err);
 /* Adds the last frame, if it is typical. */
 void render_learn(strata *s);
+
+/* ---- complexity.c ---------------------------------------------------------------------------- */
+/* Of the last render's deep image: how many pixels hold, and how many need, so many fragments.
+ * Null when there is none. */
+json_t *render_complexity_json(const strata *s);
+
+/* ---- configurations.c ------------------------------------------------------------------------ */
+/* {"configurations", "refused"}; *out is set in any case. all: also knobs that only cost time. */
+strata_result render_configurations(strata *s, scene *sc, const strata_render_options *options,
+                                    const scene_view *view, int all, json_t **out, base_error *err);
 
 /* ---- account.c ------------------------------------------------------------------------------- */
 /* Merges the device's timings since gpu_begin into the frame's. */
