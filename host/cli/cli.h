@@ -26,6 +26,7 @@ int cli_plan(int argc, char **argv);
 int cli_list(int argc, char **argv);
 int cli_compare(int argc, char **argv);
 int cli_scene(int argc, char **argv);
+int cli_sweep(int argc, char **argv);
 
 /* ---- failure (common.c)
  * -------------------------------------------------------------------------- */

@@ -14,7 +14,7 @@ static const struct verb {
     int (*run)(int argc, char **argv);
 } verbs[] = {
     {"render", cli_render},   {"plan", cli_plan},   {"list", cli_list},
-    {"compare", cli_compare}, {"scene", cli_scene},
+    {"compare", cli_compare}, {"scene", cli_scene}, {"sweep", cli_sweep},
 };
 
 typedef struct choice {
@@ -37,7 +37,8 @@ static error_t parse(int key, char *text, struct argp_state *state) {
             if (strcmp(verbs[i].name, text) == 0)
                 c->verb = &verbs[i];
         if (!c->verb)
-            argp_error(state, "'%s' is no command; there are render, plan, list, compare and scene",
+            argp_error(state,
+                       "'%s' is no command; there are render, plan, list, compare, sweep and scene",
                        text);
         c->index = state->next - 1;
         state->next = state->argc; /* what follows is the verb's */
@@ -58,6 +59,7 @@ static const struct argp argp = {
            "  strata plan SCENE                what would run, what would not, and why\n"
            "  strata list                      modules, techniques, knobs, devices, scenes\n"
            "  strata compare A B               how far two pictures are apart\n"
+           "  strata sweep SCENE -o DIR        what accuracy costs in time: a report\n"
            "  strata scene NAME -o OUT.glb     write a procedural scene\n\n"
            "SCENE is a .gltf or .glb file, or scene:NAME?K=V&K=V. Each command has --help.\v"
            "Exit status: 0 done; 1 it failed, and one line says why; 2 bad usage; 3 done, but less "

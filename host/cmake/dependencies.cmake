@@ -33,3 +33,12 @@ add_library(strata_glslang INTERFACE)
 target_include_directories(strata_glslang SYSTEM INTERFACE ${GLSLANG_INCLUDE})
 target_link_libraries(strata_glslang INTERFACE
   -Wl,--start-group ${glslang_archives} -Wl,--end-group Threads::Threads stdc++ m)
+
+# Chart.js 3 (libjs-chart.js) draws the plots of sweeps' reports, and becomes part of them; it is
+# built in. Without it reports have tables alone.
+find_file(STRATA_CHART_JS NAMES chart.min.js Chart.min.js
+  PATHS /usr/share/javascript/chart.js /usr/share/nodejs/chart.js/dist NO_DEFAULT_PATH)
+if(NOT STRATA_CHART_JS)
+  set(STRATA_CHART_JS "")
+  message(STATUS "Chart.js was not found: reports of sweeps will have no plots")
+endif()

@@ -12,7 +12,7 @@
 
 SETUP_BUILD="cmake ninja-build g++ gcc pkg-config glslang-dev spirv-tools libspirv-cross-c-shared-dev
     libcglm-dev libtinygltf-dev nlohmann-json3-dev libstb-dev libopenexr-dev libpng-dev libmeshoptimizer-dev libjansson-dev
-    libvulkan-dev libegl-dev libgl-dev"
+    libvulkan-dev libegl-dev libgl-dev libjs-chart.js"
 SETUP_RUN="mesa-vulkan-drivers libegl1 libgl1-mesa-dri"
 SETUP_TEST="libcmocka-dev vulkan-validationlayers openimageio-tools binutils assimp-testmodels"
 SETUP_LOG=build/setup.log

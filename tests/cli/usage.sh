@@ -5,7 +5,7 @@
 . "$(dirname "$0")/lib.sh"
 
 refuse 'no command' 2 'a command is missing'
-refuse 'unknown command' 2 'render, plan, list, compare and scene' frobnicate
+refuse 'unknown command' 2 'render, plan, list, compare, sweep and scene' frobnicate
 refuse 'unknown option' 2 "unrecognized option '--frob'" render --frob
 refuse 'unknown option before the command' 2 "unrecognized option '--frob'" --frob render
 refuse 'option without a value' 2 'requires an argument' render scene:layers -o
@@ -73,7 +73,7 @@ refuse 'scene:NAME of unknown name' 1 'layers' plan scene:lairs
 refuse 'scene:NAME with an unknown knob' 2 'count=' plan 'scene:layers?n=1'
 refuse 'unknown camera' 1 'no camera' plan scene:layers --camera nowhere
 
-for verb in '' render plan list compare scene; do
+for verb in '' render plan list compare sweep scene; do
     # shellcheck disable=SC2086 # an empty verb is no argument
     run $verb --help
     [ "$status" -eq 0 ] && [ ! -s err ] && grep -q 'Usage: strata' out
