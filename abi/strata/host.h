@@ -48,10 +48,11 @@ STRATA_EXPORT uint32_t strata_version(void); /* STRATA_ABI_VERSION of the librar
 
 /* ---- scenes ----------------------------------------------------------------------------------- */
 
-/* Reads .gltf or .glb, or generates a procedural scene when path is "scene:NAME[?K=V[&K=V]..]".
+/* Reads .gltf or .glb, or generates a procedural scene when path is "scene:NAME[?K=V[&K=V]..]",
+ * or a hard case when it is "hard:NAME".
  * NOT_FOUND, BAD_FILE, IO, OUT_OF_HOST_MEMORY. The caller owns *out. */
 STRATA_EXPORT strata_result strata_scene_load(strata *s, const char *path, strata_scene **out);
-/* knobs: `count` strings "K=V". */
+/* knobs: `count` strings "K=V". "hard:NAME" is a name too, without knobs. */
 STRATA_EXPORT strata_result strata_scene_generate(strata *s, const char *name,
                                                   const char *const *knobs, uint32_t count,
                                                   strata_scene **out);

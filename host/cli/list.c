@@ -160,8 +160,12 @@ static void print_scenes(const json_t *list) {
     puts("\nscenes");
     for (size_t i = 0; i < json_array_size(scenes); i++) {
         const json_t *scene = json_array_get(scenes, i);
-        int at = printf("  %-10s ", cli_get(scene, "name"));
-        cli_wrap(stdout, at, 13, cli_get(scene, "title"));
+        const json_t *size = json_object_get(scene, "size"); /* of a hard case */
+        int at = printf(size ? "  %-22s " : "  %-10s ", cli_get(scene, "name"));
+        if (size)
+            at += printf("%gx%g: ", json_number_value(json_array_get(size, 0)),
+                         json_number_value(json_array_get(size, 1)));
+        cli_wrap(stdout, at, size ? 25 : 13, cli_get(scene, "title"));
         print_knobs("", cli_array(scene, "knobs"), 4);
     }
 }

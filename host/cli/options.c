@@ -226,7 +226,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         return 0;
     case ARGP_KEY_END:
         if (!o->scene)
-            argp_error(state, "SCENE is missing: a .gltf or .glb file, or scene:NAME");
+            argp_error(state, "SCENE is missing: a .gltf or .glb file, scene:NAME or hard:NAME");
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;

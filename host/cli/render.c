@@ -164,7 +164,7 @@ static const struct argp argp = {
     .options = options,
     .parser = parse,
     .args_doc = "SCENE",
-    .doc = "Render SCENE, a .gltf or .glb file or scene:NAME?K=V&K=V, to a picture.",
+    .doc = "Render SCENE, a .gltf or .glb file, scene:NAME?K=V&K=V or hard:NAME, to a picture.",
     .children = children,
 };
 

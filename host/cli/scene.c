@@ -54,7 +54,9 @@ static const struct argp argp = {
     .options = options,
     .parser = parse,
     .args_doc = "NAME",
-    .doc = "Write the procedural scene NAME as GLB. `strata list' shows the names and their knobs.",
+    .doc = "Write the procedural scene NAME, or the hard case hard:NAME, as GLB. `strata list' "
+           "shows the "
+           "names and their knobs.",
 };
 
 int cli_scene(int argc, char **argv) {

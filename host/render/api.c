@@ -127,8 +127,7 @@ static strata_result generate_from(strata *s, char *spec, strata_scene **out) {
     while (next) {
         *next++ = '\0';
         if (count == BASE_COUNT(knobs))
-            return base_fail(&s->error, STRATA_ERROR_INVALID_ARGUMENT, "scene:%s: too many knobs",
-                             spec);
+            return base_fail(&s->error, STRATA_ERROR_INVALID_ARGUMENT, "%s: too many knobs", spec);
         knobs[count++] = next;
         next = strchr(next, '&');
     }
@@ -139,8 +138,9 @@ strata_result strata_scene_load(strata *s, const char *path, strata_scene **out)
     scene *loaded = NULL;
     s->error = (base_error){0};
     *out = NULL;
-    if (strncmp(path, "scene:", 6) == 0) {
-        char *spec = base_strdup(path + 6);
+    const int hard = strncmp(path, "hard:", 5) == 0;
+    if (hard || strncmp(path, "scene:", 6) == 0) {
+        char *spec = base_strdup(hard ? path : path + 6);
         if (!spec)
             return base_fail(&s->error, STRATA_ERROR_OUT_OF_HOST_MEMORY, "scene: out of memory");
         strata_result r = generate_from(s, spec, out);
@@ -265,6 +265,12 @@ static json_t *scenes_json(void) {
             json_array_append_new(knobs, scene_knob_json(&generators[i].knobs[k]));
         json_array_append_new(scenes, json_pack("{s:s, s:s, s:o}", "name", generators[i].name,
                                                 "title", generators[i].title, "knobs", knobs));
+    }
+    for (uint32_t i = 0; scene_hard_cases(i); ++i) {
+        const scene_hard_case *hard = scene_hard_cases(i);
+        json_array_append_new(scenes, json_pack("{s:s, s:s, s:[i, i], s:[]}", "name", hard->name,
+                                                "title", hard->title, "size", (int)hard->width,
+                                                (int)hard->height, "knobs"));
     }
     return scenes;
 }

@@ -3,7 +3,7 @@
  * scene_generate: reads "K=V" settings against a scene's knobs, builds the scene and finishes it.
  * First noun of scene -> demand -> plan -> frame -> fragments -> image, made instead of loaded.
  */
-#include "scene/generate.h"
+#include "scene/generate_hard.h"
 
 #include <errno.h>
 #include <math.h>
@@ -112,33 +112,59 @@ static strata_result find_kind(const char *name, const scene_generator **kind, u
     return result;
 }
 
-strata_result scene_generate(const char *name, const char *const *knobs, uint32_t knob_count,
-                             scene **out, base_error *err) {
+static strata_result build(const char *name, void (*builder)(generate_builder *),
+                           const double *values, uint64_t seed, scene **out, base_error *err) {
+    generate_builder b = {.s = scene_new(name), .knobs = values, .random = generate_seed(seed)};
+    strata_result result = STRATA_OK;
+    b.failed = !b.s;
+    if (!b.failed)
+        builder(&b);
+    if (b.failed)
+        result = base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY,
+                           "%s: no memory for a scene of this size", name);
+    else
+        result = scene_finish(b.s, err);
+    if (result == STRATA_OK)
+        *out = b.s;
+    else
+        scene_free(b.s);
+    return result;
+}
+
+/* The procedural scene `of`, called `name`. */
+static strata_result build_kind(const char *name, const char *of, const char *const *knobs,
+                                uint32_t knob_count, scene **out, base_error *err) {
     const scene_generator *kind = NULL;
     uint32_t at = 0;
     double values[MAX_KNOBS];
-    *out = NULL;
-    strata_result result = find_kind(name, &kind, &at, err);
+    strata_result result = find_kind(of, &kind, &at, err);
     for (uint32_t i = 0; result == STRATA_OK && i < kind->knob_count; i++)
         values[i] = kind->knobs[i].preset;
     for (uint32_t i = 0; result == STRATA_OK && i < knob_count; i++)
         result = set_knob(kind, knobs[i], values, err);
-    if (result != STRATA_OK)
-        return result;
+    return result == STRATA_OK ? build(name, builders[at], values, (uint64_t)values[0], out, err)
+                               : result;
+}
 
-    generate_builder builder = {
-        .s = scene_new(name), .knobs = values, .random = generate_seed((uint64_t)values[0])};
-    builder.failed = !builder.s;
-    if (!builder.failed)
-        builders[at](&builder);
-    if (builder.failed)
-        result = base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY,
-                           "%s: no memory for a scene of this size", name);
-    else
-        result = scene_finish(builder.s, err);
-    if (result == STRATA_OK)
-        *out = builder.s;
-    else
-        scene_free(builder.s);
-    return result;
+static strata_result build_hard(const char *name, uint32_t knob_count, scene **out,
+                                base_error *err) {
+    const generate_hard_case *hard = generate_hard_find(name);
+    uint32_t count = 0;
+    if (!hard)
+        return base_fail(err, STRATA_ERROR_NOT_FOUND,
+                         "'%.80s': no such hard case; `strata list' shows them", name);
+    if (knob_count > 0)
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "%s: a hard case has no knobs", name);
+    if (hard->build)
+        return build(name, hard->build, hard->values, 1, out, err);
+    while (count < BASE_COUNT(hard->knobs) && hard->knobs[count])
+        count++;
+    return build_kind(name, hard->of, hard->knobs, count, out, err);
+}
+
+strata_result scene_generate(const char *name, const char *const *knobs, uint32_t knob_count,
+                             scene **out, base_error *err) {
+    *out = NULL;
+    return strncmp(name, "hard:", 5) == 0 ? build_hard(name, knob_count, out, err)
+                                          : build_kind(name, name, knobs, knob_count, out, err);
 }

@@ -148,7 +148,8 @@ strata_result scene_load(const char *path, scene **out, base_error *err);
 strata_result scene_load_memory(const char *name, const void *data, size_t size, scene **out,
                                 base_error *err);
 
-/* A procedural scene: shells, soup, hairball, needles, particles, stack, city, layers, glass.
+/* A procedural scene: shells, soup, hairball, needles, particles, stack, city, layers, glass, burst;
+ * or a hard case.
  * knobs: count strings "K=V". Unknown names and values out of range fail with the list of knobs. */
 strata_result scene_generate(const char *name, const char *const *knobs, uint32_t knob_count,
                              scene **out, base_error *err);
@@ -165,6 +166,14 @@ typedef struct scene_generator {
     uint32_t knob_count;
 } scene_generator;
 const scene_generator *scene_generators(uint32_t *count); /* static data, for help and list */
+
+/* Hard cases: scene_generate takes their names too, without knobs. Some ask for a picture of their
+ * size. */
+typedef struct scene_hard_case {
+    const char *name, *title; /* "hard:NAME" */
+    uint32_t width, height;
+} scene_hard_case;
+const scene_hard_case *scene_hard_cases(uint32_t index); /* in the order of the list; NULL: no more */
 
 /* Writes the scene as a self-contained GLB that scene_load reads back to the same meshes,
  * instances (EXT_mesh_gpu_instancing where a mesh repeats), materials, lights and cameras. */

@@ -70,6 +70,9 @@ refuse 'scene of unknown name' 1 'layers' scene lairs -o x.glb
 refuse 'scene with an unknown knob' 2 'count=' scene layers -o x.glb --set n=1
 refuse 'scene with a knob out of range' 2 'count' scene layers -o x.glb --set count=-1
 refuse 'scene:NAME of unknown name' 1 'layers' plan scene:lairs
+refuse 'hard:NAME of unknown name' 1 'strata list' plan hard:lairs
+refuse 'hard:NAME with a knob' 2 'no knobs' plan 'hard:layers-1?count=2'
+refuse 'hard:NAME that is refused' 1 "mesh 'broken'" plan hard:not-a-number
 refuse 'scene:NAME with an unknown knob' 2 'count=' plan 'scene:layers?n=1'
 refuse 'unknown camera' 1 'no camera' plan scene:layers --camera nowhere
 

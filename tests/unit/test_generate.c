@@ -178,6 +178,30 @@ static void every_scene_generates_and_repeats_itself(void **state) {
     }
 }
 
+static void hard_cases_generate_and_repeat_themselves(void **state) {
+    (void)state;
+    uint32_t count = 0;
+    for (const scene_hard_case *hard; (hard = scene_hard_cases(count)); count++) {
+        scene *a = NULL, *b = NULL;
+        base_error err = {0};
+        const int broken = strcmp(hard->name, "hard:infinite") == 0 ||
+                           strcmp(hard->name, "hard:not-a-number") == 0;
+        assert_int_equal(strncmp(hard->name, "hard:", 5), 0);
+        assert_true(hard->title[0] && hard->width > 0 && hard->height > 0);
+        assert_int_equal(scene_generate(hard->name, NULL, 0, &a, &err),
+                         broken ? STRATA_ERROR_BAD_FILE : STRATA_OK);
+        if (broken)
+            continue;
+        assert_int_equal(scene_generate(hard->name, NULL, 0, &b, &err), STRATA_OK);
+        assert_string_equal(a->path, hard->name);
+        assert_true(hash_scene(a) == hash_scene(b));
+        assert_true(a->camera_count == 1);
+        scene_free(a);
+        scene_free(b);
+    }
+    assert_true(count > 30);
+}
+
 static void counts_are_what_the_knobs_say(void **state) {
     (void)state;
     static const struct {
@@ -416,6 +440,7 @@ int main(void) {
         cmocka_unit_test(solids_face_outwards),
         cmocka_unit_test(sphere_seams_share_their_bits),
         cmocka_unit_test(every_scene_generates_and_repeats_itself),
+        cmocka_unit_test(hard_cases_generate_and_repeat_themselves),
         cmocka_unit_test(counts_are_what_the_knobs_say),
         cmocka_unit_test(wrong_knobs_are_named_with_the_list),
         cmocka_unit_test(soup_has_the_depth_it_is_asked_for),

@@ -160,7 +160,15 @@ static void every_scene_survives_the_file(void **state) {
                                         "city count=300",
                                         "city view=aerial count=20",
                                         "layers opaque=1 where=pixel",
-                                        "glass"};
+                                        "glass",
+                                        "hard:crossing",
+                                        "hard:near-plane",
+                                        "hard:huge",
+                                        "hard:tiny",
+                                        "hard:layers-0",
+                                        "hard:alpha-denormal",
+                                        "hard:hdr-million",
+                                        "hard:straight"};
     for (size_t i = 0; i < BASE_COUNT(texts); i++) {
         scene *s = generated(texts[i]);
         round_trip(s);
