@@ -105,6 +105,33 @@ void oracle_fold(const plan *p, const oracle_record *sorted, size_t count, const
 void oracle_fold_backwards(const plan *p, const oracle_record *sorted, size_t count,
                            const float *behind, long double out[4]);
 
+/* ---- exact.c --------------------------------------------------------------------------------- */
+
+typedef struct oracle_exact {
+    double *color; /* [height][width][4], row 0 = bottom */
+    size_t channels;
+    size_t *count; /* fragments of a pixel */
+} oracle_exact;
+
+/* Of a frame that is captured for it. */
+oracle_exact oracle_exact_make(strata *s, strata_scene *sc, const oracle_case *c);
+void oracle_exact_free(oracle_exact *e);
+
+/* Renders with a certificate, against the same background; settings end at NULL. */
+void oracle_certify(strata *s, strata_scene *sc, const oracle_case *c, const char *use,
+                    const char *const settings[3], uint32_t bands);
+
+typedef struct oracle_tally {
+    double *slack; /* bound over error, ascending, of channels whose error is not zero */
+    size_t slack_count;
+    double worst, largest; /* error over bound; bound */
+    uint64_t certified, uncertified;
+} oracle_tally;
+
+/* The last render against the exact picture: fails the test where an error is above its bound. */
+oracle_tally oracle_hold(const strata *s, const oracle_exact *e, const char *what);
+void oracle_tally_free(oracle_tally *t);
+
 /* ---- ray.c ----------------------------------------------------------------------------------- */
 
 /* Where a ray through a pixel's centre meets a primitive. */

@@ -19,108 +19,19 @@ typedef struct certified_way {
     double loosest; /* on soup, the median of bound over error may not exceed it; 0: it may */
 } certified_way;
 
-typedef struct exact_picture {
-    double *color; /* [height][width][4], row 0 = bottom */
-    size_t channels;
-    size_t *count; /* fragments of a pixel */
-} exact_picture;
-
-typedef struct tally {
-    double *slack; /* bound over error, of channels whose error is not zero */
-    size_t slack_count;
-    double worst, largest; /* error over bound; bound */
-    uint64_t certified, uncertified;
-} tally;
-
-static exact_picture make_exact(strata *s, strata_scene *sc, const oracle_case *k) {
-    oracle_capture c;
-    oracle_capture_frame(s, sc, k, &c);
-    const size_t pixels = (size_t)c.width * c.height;
-    exact_picture out = {.channels = pixels * 4,
-                         .color = base_calloc(pixels * 4, sizeof *out.color),
-                         .count = base_calloc(pixels, sizeof *out.count)};
-    assert_true(out.color && out.count);
-    for (size_t p = 0; p < pixels; p++) {
-        oracle_value value[4];
-        oracle_sort(c.records + c.first[p], out.count[p] = c.first[p + 1] - c.first[p]);
-        if (c.plan->transparent)
-            oracle_fold(c.plan, c.records + c.first[p], out.count[p], c.behind + 4 * p, value);
-        for (int i = 0; i < 4; i++)
-            out.color[4 * p + (size_t)i] =
-                c.plan->transparent ? value[i].value : (double)c.behind[4 * p + (size_t)i];
-    }
-    oracle_capture_free(&c);
-    return out;
-}
-
-static void free_exact(exact_picture *e) {
-    free(e->color);
-    free(e->count);
-}
-
-static int ascending(const void *a, const void *b) {
-    const double left = *(const double *)a, right = *(const double *)b;
-    return left < right ? -1 : left > right;
-}
-
-static void render_certified(strata *s, strata_scene *sc, const oracle_case *k,
-                             const certified_way *w) {
-    strata_render_options options = {.struct_size = sizeof options,
-                                     .width = k->width,
-                                     .height = k->height,
-                                     .use = w->use,
-                                     .camera = k->camera,
-                                     .settings = w->settings,
-                                     .bands = w->bands,
-                                     .outputs = STRATA_OUTPUT_BOUND,
-                                     .background = {0.1f, 0.2f, 0.4f, 1.0f},
-                                     .has_background = 1};
-    while (options.setting_count < 3 && w->settings[options.setting_count])
-        options.setting_count++;
-    if (strata_render(s, sc, &options) != STRATA_OK)
-        fail_msg("%s, %s: %s", k->scene, w->use, strata_error(s));
-}
-
-static tally judge(const strata *s, const exact_picture *e, const char *what) {
-    const float *color = s->result.color.pixels, *bound = s->result.bound.map.pixels;
-    tally t = {.slack = base_calloc(e->channels, sizeof *t.slack)};
-    assert_non_null(t.slack);
-    for (size_t i = 0; i < e->channels; i++) {
-        const double error = fabs((double)color[i] - e->color[i]), b = (double)bound[i];
-        if (isinf(b)) {
-            t.uncertified++;
-            continue;
-        }
-        t.certified++;
-        if (!(error <= b))
-            fail_msg("%s: channel %zu of pixel %zu, %zu fragments: %.9g is %.3g off %.9g, the "
-                     "certificate says %.3g",
-                     what, i % 4, i / 4, e->count[i / 4], (double)color[i], error, e->color[i], b);
-        if (e->count[i / 4] == 0)
-            assert_true(b == 0);
-        t.largest = fmax(t.largest, b);
-        if (error > 0) {
-            t.slack[t.slack_count++] = b / error;
-            t.worst = fmax(t.worst, error / b);
-        }
-    }
-    qsort(t.slack, t.slack_count, sizeof *t.slack, ascending);
-    return t;
-}
-
 /* Every way on one scene. Returns how many channels were certified. Where many pixels differ in
  * what they hold the median is limited; a scene of equal pixels may be lucky in all of them. */
 static uint64_t hold(strata *s, const oracle_case *k, const certified_way *ways, size_t count) {
     strata_scene *sc = oracle_scene(s, k->scene);
-    exact_picture exact = make_exact(s, sc, k);
+    oracle_exact exact = oracle_exact_make(s, sc, k);
     uint64_t certified = 0;
     for (size_t i = 0; i < count; i++) {
         char what[256];
         snprintf(what, sizeof what, "%s, %s %s %s", k->scene, ways[i].use,
                  ways[i].settings[0] ? ways[i].settings[0] : "",
                  ways[i].settings[0] && ways[i].settings[1] ? ways[i].settings[1] : "");
-        render_certified(s, sc, k, &ways[i]);
-        tally t = judge(s, &exact, what);
+        oracle_certify(s, sc, k, ways[i].use, ways[i].settings, ways[i].bands);
+        oracle_tally t = oracle_hold(s, &exact, what);
         assert_true(s->result.bound.uncertified >= s->result.report.lost);
         const double median = t.slack_count ? t.slack[t.slack_count / 2] : 0;
         print_message("  %-88s bound <= %-9.3g error <= %.2f bound, median bound/error %-6.3g "
@@ -130,9 +41,9 @@ static uint64_t hold(strata *s, const oracle_case *k, const certified_way *ways,
         if (ways[i].loosest > 0 && strstr(k->scene, "soup"))
             assert_true(median <= ways[i].loosest);
         certified += t.certified;
-        free(t.slack);
+        oracle_tally_free(&t);
     }
-    free_exact(&exact);
+    oracle_exact_free(&exact);
     strata_scene_close(sc);
     return certified;
 }
@@ -281,7 +192,7 @@ static void test_tolerance(void **state) {
     if (!s)
         skip();
     strata_scene *sc = oracle_scene(s, scenes[0].scene);
-    exact_picture exact = make_exact(s, sc, &scenes[0]);
+    oracle_exact exact = oracle_exact_make(s, sc, &scenes[0]);
     for (size_t i = 0; i < BASE_COUNT(rows); i++) {
         const strata_render_options options = {.struct_size = sizeof options,
                                                .width = scenes[0].width,
@@ -297,10 +208,10 @@ static void test_tolerance(void **state) {
         const render_bound *bound = &s->result.bound;
         if (rows[i].result == STRATA_OK)
             assert_true(bound->uncertified == 0 && bound->max <= rows[i].tolerance);
-        tally t = judge(s, &exact, "under a tolerance");
-        free(t.slack);
+        oracle_tally t = oracle_hold(s, &exact, "under a tolerance");
+        oracle_tally_free(&t);
     }
-    free_exact(&exact);
+    oracle_exact_free(&exact);
     strata_scene_close(sc);
     strata_close(s);
 }
