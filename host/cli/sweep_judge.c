@@ -61,6 +61,7 @@ static int is_own(const json_t *c) {
 static void add_times(json_t *c) {
     double values[MAX_TIMES];
     size_t count = flatten(json_object_get(c, "rounds"), values);
+    json_object_set_new(c, "frames", json_integer((json_int_t)count));
     const double middle = median(values, count);
     for (size_t i = 0; i < count; i++)
         values[i] = fabs(values[i] - middle);
@@ -68,7 +69,6 @@ static void add_times(json_t *c) {
     json_object_set_new(c, "mad_ms", json_real(median(values, count)));
     count = flatten(json_object_get(c, "cpu_ms"), values);
     json_object_set_new(c, "cpu_frame_ms", json_real(median(values, count)));
-    json_object_set_new(c, "frames", json_integer((json_int_t)count));
 }
 
 static double depth_of(const json_t *one) {

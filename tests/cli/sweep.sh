@@ -1,0 +1,162 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+#
+# strata sweep: results.json has the guide's shape and holds what the sweep promises, a sweep that was
+# killed goes on where it was, and files that are no such sweep are refused with one line.
+. "$(dirname "$0")/lib.sh"
+
+if ! have_device; then
+    echo "skip - sweep: no device that draws"
+    exit 0
+fi
+
+# value NAME FILE PATH WANTED
+value() {
+    [ "$(get "$2" "$3")" = "$4" ] || echo "  $3 is '$(get "$2" "$3")', not '$4'"
+    [ "$(get "$2" "$3")" = "$4" ]
+    verdict "$1"
+}
+
+# ---- options
+refuse 'sweep without a scene' 2 'SCENE is missing' sweep
+refuse 'sweep: --use' 2 '--use does not go with a sweep' sweep scene:stack --use peel
+refuse 'sweep: --set' 2 '--set does not go with a sweep' sweep scene:stack --set peel.layers=2
+refuse 'sweep: frame settings' 2 '--set does not go' sweep scene:stack --set frame.bands=2
+refuse 'sweep: --tolerance' 2 '--tolerance does not go' sweep scene:stack --tolerance 0.1
+refuse 'sweep: null' 2 'draws nothing' sweep scene:stack --backend null
+refuse 'sweep: --repeat' 2 '--repeat 0: expected' sweep scene:stack --repeat 0
+refuse 'sweep: no scene' 1 'none.glb' sweep none.glb -o none
+refuse 'sweep: nothing to go on with' 1 'there is none to go on with' sweep scene:stack -o new --resume
+
+# ---- a sweep
+scene='scene:layers?count=12'
+set -- sweep "$scene" --size 32x32 --repeat 2 --only abuffer --only 'kplus k=4' --only wboit
+run "$@" -o one
+[ "$status" -eq 0 ] && [ ! -s err ] && [ -s one/report.html ] && clean
+verdict 'a sweep is done'
+r=one/results.json
+"$json_get" $r >/dev/null
+verdict 'results are one object'
+value 'format' $r format strata-sweep/1
+value 'complete' $r complete true
+value 'no violations' $r violations '[]'
+value 'scene' $r cases/0/scene 'scene:layers?count=12'
+value 'size' $r cases/0/size '[32,32]'
+value 'depth' $r cases/0/fragments/max_per_pixel 12
+value 'complexity: all pixels hold 12' $r cases/0/complexity/held '[[12,1024]]'
+value 'the floor is the first' $r cases/0/configurations/0/name floor
+value 'the floor is measured' $r cases/0/configurations/0/state measured
+value 'the floor is 1 x floor' $r cases/0/configurations/0/x_floor 1
+value 'the floor has no certificate' $r cases/0/configurations/0/bound null
+value 'the plan is the second' $r cases/0/configurations/1/use ''
+value 'the plan is exact' $r cases/0/configurations/1/error/max 0
+value 'frames' $r cases/0/configurations/1/frames 2
+value 'device' $r device/backend "$(get devices.json devices/0/backend)"
+count=$(get $r 'cases/0/configurations/#')
+[ "$count" -gt 10 ]
+verdict 'there are configurations'
+grep -q 'Exact costs' out && grep -q 'one/report.html' out
+verdict 'it ends with words'
+
+# Each configuration by itself: state, figures, and that exact ones are.
+i=0 wrong=
+while [ $i -lt "$count" ]; do
+    c=cases/0/configurations/$i
+    name=$(get $r $c/name)
+    [ "$(get $r $c/state)" = measured ] || wrong="$wrong; $name: $(get $r $c/state)"
+    [ "$(get $r $c/error/violations)" = 0 ] || wrong="$wrong; $name: beyond its certificate"
+    for member in ms mad_ms cpu_frame_ms x_floor memory command passes/0/label error/flip/mean \
+        error/rmse error/uncertified_pixels rounds/0/0; do
+        get $r $c/$member >value && [ -s value ] || wrong="$wrong; $name: no $member"
+    done
+    case $name in
+    'abuffer + ppc' | 'abuffer mode=linked + ppc')
+        [ "$(get $r $c/error/max)$(get $r $c/exact)" = 0true ] || wrong="$wrong; $name: not exact"
+        ;;
+    'kplus k=4 + ppc')
+        [ "$(get $r $c/keeps)$(get $r $c/exact)" = 4false ] || wrong="$wrong; $name: exact"
+        [ "$(get $r $c/error/max)" != 0 ] || wrong="$wrong; $name: no error"
+        ;;
+    esac
+    i=$((i + 1))
+done
+[ -z "$wrong" ] || echo "  $wrong"
+[ -z "$wrong" ]
+verdict 'each configuration has its figures'
+
+# A command reproduces its point.
+command=$(get $r cases/0/configurations/2/command)
+(eval "\"\$strata\" ${command#strata }") >out 2>err && [ -s out.exr ]
+verdict 'a command renders'
+
+refuse 'results are not written over' 1 '--resume goes on with it' "$@" -o one
+
+# ---- killed and gone on with
+"$strata" "$@" -o two >out 2>err &
+worker=$!
+tries=0
+while ! grep -qs '"state": "measured"' two/results.json && [ $tries -lt 600 ]; do
+    sleep 0.1
+    tries=$((tries + 1))
+done
+kill -9 $worker 2>/dev/null
+wait $worker 2>/dev/null
+"$json_get" two/results.json >/dev/null && [ "$(get two/results.json complete)" = false ]
+verdict 'a killed sweep leaves whole results'
+rm -f two/*.part
+kept=$(get two/results.json cases/0/configurations/0/rounds)
+run "$@" -o two --resume
+[ "$status" -eq 0 ] && [ "$(get two/results.json complete)" = true ]
+verdict 'it is gone on with'
+[ "$kept" = '[]' ] || [ "$(get two/results.json cases/0/configurations/0/rounds)" = "$kept" ]
+verdict 'what was measured stays'
+[ "$(get two/results.json 'cases/0/configurations/#')" = "$count" ] &&
+    [ "$(get two/results.json 'cases/#')" = 1 ]
+verdict 'nothing is there twice'
+run "$@" -o two --resume
+[ "$status" -eq 0 ]
+verdict 'a sweep that is done is done again at once'
+
+# ---- what cannot be gone on with
+refuse 'another size' 1 'another scene, size' sweep "$scene" --size 16x16 -o two --resume
+i=0
+while IFS='|' read -r name edit; do
+    i=$((i + 1))
+    rm -rf bad
+    mkdir bad
+    sed "$edit" two/results.json >bad/results.json
+    refuse "results that are $name" 1 'cannot go on with it' "$@" -o bad --resume
+done <<'END'
+empty|d
+cut short|20q
+of another format|s/strata-sweep.1/strata-sweep.2/
+of another machine|s/"cores": /"cores": 9/
+of another device|s/"driver": "/"driver": "x/
+of other modules|s/"use": "wboit"/"use": "wbait"/
+without configurations|s/"configurations": \[/"configurations": 3, "x": [/
+with texts for times|s/^\( *\)"rounds": \[/\1"rounds": ["now"], "x": [/
+with negative times|s/^\( *\)"cpu_ms": \[/\1"cpu_ms": [-1], "x": [/
+with an unknown state|s/"state": "measured"/"state": "nice"/
+END
+mkdir -p odd
+mkfifo odd/results.json
+refuse 'a pipe for results' 1 'no file of results' "$@" -o odd --resume
+
+# ---- several cases, and names that could break out of a page
+cp one/report.html plain.html
+hostile='a</script><script>alert(1)</script>&"'"'"'.glb'
+mkdir -p "$(dirname "./$hostile")"
+"$strata" scene stack --set count=2 -o out.glb >/dev/null && cp out.glb "./$hostile"
+run sweep "./$hostile" --size 16x16 --also 8x8 --repeat 1 --only 'abuffer + ppc' -o 'three & "four"'
+[ "$status" -eq 0 ] && [ "$(get 'three & "four"/results.json' 'cases/#')" = 2 ]
+verdict 'two sizes of a scene with a hostile name'
+[ "$(grep -c '<script>alert' 'three & "four"/report.html')" = 0 ] &&
+    [ "$(grep -o '</script>' 'three & "four"/report.html' | wc -l)" = "$(grep -o '</script>' plain.html | wc -l)" ]
+verdict 'its name does not break out of the report'
+(eval "\"\$strata\" $(get 'three & "four"/results.json' cases/1/configurations/2/command | sed 's/^strata //')") >out 2>err
+verdict 'its command is quoted'
+! grep -qE '(src|href)="?(https?:)?//' 'three & "four"/report.html'
+verdict 'nothing is fetched'
+[ "$(wc -c <one/report.html)" -lt 4000000 ]
+verdict 'the report is small'
+finish
