@@ -18,7 +18,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MAX_LEVELS = 16, CHUNK = 32 }; /* CHUNK: as in marks.glsl */
+enum { MAX_LEVELS = 16, CHUNK = 32, SLICE_PIXELS = 1 << 20 }; /* CHUNK: as in marks.glsl */
 enum { KNOB_MODE, KNOB_TAPS, KNOB_CERTIFY, KNOB_HISTORY };
 enum { MODE_TWO_PHASE, MODE_FRUSTUM };
 enum { FIRST, SECOND, LAST, ROUNDS }; /* opaque, opaque, transparent */
@@ -240,12 +240,15 @@ static void record_census(const hiz *h, const strata_frame *frame) {
 }
 
 static void record_check(const hiz *h, const strata_frame *frame) {
+    const uint64_t pixels = (uint64_t)h->width * h->height;
+    const uint32_t params[] = {h->count, (uint32_t)(pixels / SLICE_PIXELS + 1)};
     binds b = {.count = 0};
     binds_image(&b, "depth_image", h->depth);
     binds_buffer(&b, "Certificates", h->certificates);
     binds_buffer(&b, "Checked", h->checked);
     frame->fill(frame->self, h->checked, 0, 0, 0);
-    compute(frame, "check", h->check_program, &b, 64ull * h->count, &h->count, sizeof h->count);
+    compute(frame, "check", h->check_program, &b, 64ull * params[1] * h->count, params,
+            sizeof params);
 }
 
 static void record(void *state, const strata_frame *frame) {
@@ -272,13 +275,14 @@ static void record(void *state, const strata_frame *frame) {
 /* Whether every certificate holds; the frame fails where one does not. */
 static int verify_certificates(const hiz *h, const strata_frame *frame) {
     uint32_t checked[2] = {0, 0};
-    char line[96];
+    char line[128];
     if (frame->read(frame->self, h->checked, 0, sizeof checked, checked) != STRATA_OK)
         return 0;
     frame->report(frame->self, STRATA_REPORT_OBJECTS_CERTIFIED, checked[0]);
     if (checked[1] == 0)
         return 1;
-    snprintf(line, sizeof line, "%u certificates of hidden objects are broken by the final depth",
+    snprintf(line, sizeof line,
+             "certificates of hidden objects do not hold: %u pixels of the final depth break them",
              checked[1]);
     frame->fail(frame->self, STRATA_ERROR_INTERNAL, line);
     return 0;
