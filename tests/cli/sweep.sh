@@ -84,6 +84,25 @@ done
 [ -z "$wrong" ]
 verdict 'each configuration has its figures'
 
+# The k that pixels are said to need for 1/255: all alike here, so with fewer the error is above it.
+run sweep "$scene" --size 8x8 --repeat 1 --only 'kplus k=' --only 'kplus + ppc' -o k
+k=$(get k/results.json cases/0/complexity/needed/0/0)
+[ "$status" -eq 0 ] && [ "$(get k/results.json 'cases/0/complexity/needed/#')" = 1 ] && [ "$k" -gt 1 ]
+verdict 'all pixels need the same k'
+i=2 wrong=
+while [ $i -lt "$(get k/results.json 'cases/0/configurations/#')" ]; do
+    c=cases/0/configurations/$i
+    i=$((i + 1))
+    [ "$(get k/results.json $c/payload)" = float ] || continue
+    awk -v keeps="$(get k/results.json $c/keeps)" -v k="$k" \
+        -v error="$(get k/results.json $c/error/max)" \
+        'BEGIN { exit !((keeps == 0 || keeps >= k) == (error <= 1 / 255)) }' ||
+        wrong="$wrong; $(get k/results.json $c/name) is off by $(get k/results.json $c/error/max)"
+done
+[ -z "$wrong" ] || echo "  $k are needed$wrong"
+[ -z "$wrong" ]
+verdict 'with so many it is right to 1/255, with fewer it is not'
+
 # A command reproduces its point.
 command=$(get $r cases/0/configurations/2/command)
 (eval "\"\$strata\" ${command#strata }") >out 2>err && [ -s out.exr ]
