@@ -25,6 +25,7 @@ enum {
     KEY_DEVICE,
     KEY_MEMORY,
     KEY_TOLERANCE,
+    KEY_BUDGET,
     KEY_SAMPLES,
     KEY_FILTER
 };
@@ -37,6 +38,11 @@ static const struct argp_option options[] = {
     {"time", KEY_TIME, "T", 0, "Seconds into the scene's animations; 0", 2},
     {"tolerance", KEY_TOLERANCE, "E", 0,
      "The largest certified error that is accepted, in linear radiance; 0: exact techniques", 2},
+    {"budget", KEY_BUDGET, "MS", 0,
+     "Milliseconds that a frame may take: the most accurate way that is expected to fit, then, "
+     "over "
+     "the frames of --repeat or --frames, as they turn out",
+     2},
     {"samples", KEY_SAMPLES, "N", 0, "Sub-pixels a pixel, a square: 1, 4, 9, 16, ..; 1", 2},
     {"filter", KEY_FILTER, "box|tent|gaussian", 0, "Weights that turn them into pixels; box", 2},
     {.doc = "By what:", .group = 3},
@@ -218,6 +224,10 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_TOLERANCE:
         if (!cli_parse_number(text, 0.0, 1e9, &o->render.tolerance))
             argp_error(state, "--tolerance %s: expected a number from 0 to 1e9", text);
+        return 0;
+    case KEY_BUDGET:
+        if (!cli_parse_number(text, 1e-3, 1e9, &o->render.budget))
+            argp_error(state, "--budget %s: expected milliseconds from 0.001 to 1e9", text);
         return 0;
     case ARGP_KEY_ARG:
         if (o->scene)

@@ -108,8 +108,7 @@ static void print_settings(const json_t *technique) {
 static void print_cost(const json_t *technique) {
     const double points = cli_number(technique, "points");
     if (points > 0)
-        printf("%22scost %.3g x floor, from %.0f measured point%s\n", "",
-               cli_number(technique, "cost"), points, points == 1 ? "" : "s");
+        printf("%22sits cost rests on %.0f measured point%s\n", "", points, points == 1 ? "" : "s");
 }
 
 static void print_techniques(const json_t *plan, const char *key, const char *title) {

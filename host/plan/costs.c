@@ -190,6 +190,17 @@ int costs_add(costs *c, const char *technique, const double terms[COSTS_TERMS], 
     return 1;
 }
 
+int costs_copy(const costs *from, costs *to) {
+    costs_technique *techniques = base_calloc((size_t)from->count + 1, sizeof *techniques);
+    if (!techniques)
+        return 0;
+    if (from->count > 0)
+        memcpy(techniques, from->techniques, from->count * sizeof *techniques);
+    *to = *from;
+    to->techniques = techniques;
+    return 1;
+}
+
 void costs_free(costs *c) {
     free(c->techniques);
     *c = (costs){0};

@@ -88,7 +88,8 @@ int costs_add(costs *c, const char *technique, const double terms[COSTS_TERMS], 
  * the module's, scaled alike. */
 void costs_fit(costs *c, const modules_note *const *notes, uint32_t count);
 
-void costs_free(costs *c); /* what it holds */
+void costs_free(costs *c);                    /* what it holds */
+int costs_copy(const costs *from, costs *to); /* *to was empty; 0: out of memory */
 
 /* ---- files (costs_file.c) -------------------------------------------------------------------- */
 

@@ -10,12 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* One way to fold. capture is NULL for a stream technique, which stands in `fold`. */
-typedef struct way {
-    plan_candidate *capture, *fold;
-    uint32_t layout;
-    double cost; /* HUGE_VAL when unknown */
-} way;
+typedef plan_way way;
 
 typedef struct search {
     plan_work *w;
@@ -207,11 +202,15 @@ static double cost_of(const plan_work *w, const way *candidate) {
                : fold + (capture ? capture->cost : 0.0);
 }
 
+/* Whether it leaves out nothing that is named. */
+static int is_open(const search *s, const way *candidate) {
+    return (!s->named[PLAN_CAPTURE] || s->named[PLAN_CAPTURE] == candidate->capture) &&
+           (!s->named[PLAN_RESOLVE] || s->named[PLAN_RESOLVE] == candidate->fold) &&
+           (!s->named[PLAN_STREAM] || s->named[PLAN_STREAM] == candidate->fold);
+}
+
 static void consider(search *s, way candidate) {
-    const plan_candidate *capture = candidate.capture, *fold = candidate.fold;
-    if ((s->named[PLAN_CAPTURE] && s->named[PLAN_CAPTURE] != capture) ||
-        (s->named[PLAN_RESOLVE] && s->named[PLAN_RESOLVE] != fold) ||
-        (s->named[PLAN_STREAM] && s->named[PLAN_STREAM] != fold))
+    if (!is_open(s, &candidate))
         return;
     candidate.cost = cost_of(s->w, &candidate);
     note_way(candidate.capture, candidate.cost);
@@ -237,6 +236,73 @@ static void enumerate(search *s) {
                 consider(s, pair);
         }
     }
+}
+
+/* ---- within a budget ------------------------------------------------------------------------- */
+
+/* One that keeps the nearest, as many as its knob says; whether promises hold with it all does not
+ * matter here. */
+static int may_keep_less(const plan_work *w, plan_candidate *c) {
+    return !c->blocked && plan_free_knob(c) >= 0 && (c->named || plan_certifies(c)) &&
+           !check_frame(w, c);
+}
+
+/* The more is kept the better, then the cheaper; where nothing fits, the cheapest. */
+static void consider_within(search *s, way candidate, double room, way *best, way *cheapest) {
+    if (!is_open(s, &candidate))
+        return;
+    const int fits = plan_fit_way(s->w, &candidate, room);
+    if (fits && (!best->fold || candidate.keeps > best->keeps ||
+                 (candidate.keeps == best->keeps && candidate.cost < best->cost)))
+        *best = candidate;
+    if (!fits && (!cheapest->fold || candidate.cost < cheapest->cost))
+        *cheapest = candidate;
+}
+
+/* What promises no bound may be the last resort. */
+static void consider_approximate(search *s, plan_candidate *c, way *cheapest) {
+    way candidate = {.fold = c, .cost = c->cost == PLAN_NO_COST ? HUGE_VAL : c->cost};
+    if (c->role == PLAN_STREAM && !c->blocked && c->note->promises &&
+        order_of(c) == STRATA_ORDER_APPROXIMATE && is_open(s, &candidate) &&
+        !check_frame(s->w, c) && (!cheapest->fold || candidate.cost < cheapest->cost))
+        *cheapest = candidate;
+}
+
+/* Takes the place of what was chosen, where that is not exact or not fast enough. */
+static strata_result choose_within(search *s) {
+    plan_work *w = s->w;
+    const double room = plan_room(w);
+    const int exact =
+        s->best.fold && is_exact(s->best.fold) && (!s->best.capture || is_exact(s->best.capture));
+    way best = {0}, cheapest = exact ? s->best : (way){0};
+    if (exact && !w->in->late && s->best.cost <= room)
+        return STRATA_OK;
+    for (uint32_t i = 0; i < w->count; i++) {
+        plan_candidate *first = &w->candidates[i];
+        if (first->role == PLAN_STREAM && may_keep_less(w, first))
+            consider_within(s, (way){.fold = first}, room, &best, &cheapest);
+        for (uint32_t k = 0; first->role == PLAN_CAPTURE && may_keep_less(w, first) && k < w->count;
+             k++) {
+            plan_candidate *second = &w->candidates[k];
+            way pair = {.capture = first, .fold = second};
+            if (second->role == PLAN_RESOLVE && eligible(w, second) &&
+                agree(first, second, &pair.layout))
+                consider_within(s, pair, room, &best, &cheapest);
+        }
+    }
+    for (uint32_t i = 0; i < w->count && !best.fold; i++)
+        consider_approximate(s, &w->candidates[i], &cheapest);
+    if (best.fold || cheapest.fold)
+        s->best = best.fold ? best : cheapest;
+    if (best.fold || !cheapest.fold)
+        return STRATA_OK;
+    return plan_warn(
+        w,
+        order_of(s->best.fold) == STRATA_ORDER_APPROXIMATE
+            ? "%s has no bound of its error; nothing else is expected to come as "
+              "close to the budget of %.3g ms"
+            : "%s is the fastest way; it is not expected to meet the budget of %.3g ms",
+        (s->best.capture ? s->best.capture : s->best.fold)->note->id, w->in->budget);
 }
 
 static strata_result fail_none(const search *s) {
@@ -273,6 +339,10 @@ static void describe_choice(const search *s) {
         else if (s->ways == 1)
             plan_reason(c, "the only %sway to fold transparent fragments%s%s",
                         exact ? "exact " : "", partner ? ", with " : "", partner ? partner : "");
+        else if (b->keeps > 0.0)
+            plan_reason(c, "folds about %s fragments%s%s: %s%s", count, partner ? ", with " : "",
+                        partner ? partner : "", cost,
+                        s->w->in->stats->transparent_fragments > 0.0 ? " x floor" : "");
         else
             plan_reason(c, "the cheapest %sway to fold about %s fragments%s%s: %s%s",
                         exact ? "exact " : "", count, partner ? ", with " : "",
@@ -369,14 +439,26 @@ strata_result plan_choose_fold(plan_work *w) {
     if (result != STRATA_OK)
         return result;
     enumerate(&s);
+    if (plan_has_budget(w->in))
+        result = choose_within(&s);
+    if (result != STRATA_OK)
+        return result;
     if (!s.best.fold)
         return fail_none(&s);
-    s.best.fold->chosen = 1;
+    s.best.fold->reason[0] = '\0';
+    if (s.best.capture)
+        s.best.capture->reason[0] = '\0';
+    plan_settle_budget(w, &s.best);
     if (s.best.capture) {
-        s.best.capture->chosen = 1;
         s.best.fold->cost = plan_cost(w, s.best.fold, plan_kept(s.best.capture));
     }
+    w->out->exact = is_exact(s.best.fold) && (!s.best.capture || is_exact(s.best.capture));
     describe_choice(&s);
+    if (plan_has_budget(w->in))
+        plan_explain_budget(w, &s.best);
+    s.best.fold->chosen = 1;
+    if (s.best.capture)
+        s.best.capture->chosen = 1;
     describe_others(&s);
     result = settle(&s);
     for (plan_candidate *c = s.best.fold; c && result == STRATA_OK;

@@ -123,6 +123,15 @@ static json_t *estimate_json(const strata_scene_stats *s) {
         number(round(s->outside_triangles)), "opaque_overdraw", number(round(s->opaque_overdraw)));
 }
 
+/* What a budget turns, null when it turns nothing. */
+static json_t *turned_json(const plan *p) {
+    if (!p->turned)
+        return json_null();
+    return json_pack("{so so so so so}", "technique", text(p->turned->id), "knob",
+                     text(p->turned->knobs[p->turned_knob]->name), "value", number(plan_turned(p)),
+                     "least", number(p->turned_least), "most", number(p->turned_most));
+}
+
 json_t *plan_json(const plan *p) {
     json_t *facts = json_object(), *warnings = json_array();
     for (uint32_t i = 0; i < p->demand.count; i++)
@@ -130,12 +139,13 @@ json_t *plan_json(const plan *p) {
                             json_integer((json_int_t)p->demand.facts[i].value));
     for (uint32_t i = 0; i < p->warning_count; i++)
         json_array_append_new(warnings, text(p->warnings[i]));
-    return json_pack("{so so so so so so so so so so}", "facts", facts, "effects",
+    return json_pack("{so so so so so so so so so so so}", "facts", facts, "effects",
                      plan_json_effects(p), "estimate", estimate_json(&p->stats), "fragments",
                      fragments_json(p), "techniques", plan_json_techniques(p), "left_out",
                      left_out_json(p), "cost", floors(p, p->cost), "ms",
                      p->ms == PLAN_NO_COST ? json_null() : number(p->ms), "measured_on",
-                     text(p->measured_on[0] ? p->measured_on : NULL), "warnings", warnings);
+                     text(p->measured_on[0] ? p->measured_on : NULL), "turned", turned_json(p),
+                     "warnings", warnings);
 }
 
 /* ---- installed modules ----------------------------------------------------------------------- */

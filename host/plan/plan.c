@@ -51,7 +51,8 @@ static void expect_time(plan_work *w) {
         p->cost = p->cost == PLAN_NO_COST || p->techniques[i].cost == PLAN_NO_COST
                       ? PLAN_NO_COST
                       : p->cost + p->techniques[i].cost;
-    p->ms = c && c->ns > 0.0 && p->cost != PLAN_NO_COST ? p->cost * c->ns * 1e-6 : PLAN_NO_COST;
+    const double ns = plan_ns(w->in);
+    p->ms = ns > 0.0 && p->cost != PLAN_NO_COST ? p->cost * ns * 1e-6 : PLAN_NO_COST;
     if (c && c->ns > 0.0)
         snprintf(p->measured_on, sizeof p->measured_on, "%s", c->device);
 }
@@ -211,6 +212,27 @@ const plan_technique *plan_find(const plan *p, const char *id) {
         if (strcmp(p->techniques[i].technique->id, id) == 0)
             return &p->techniques[i];
     return NULL;
+}
+
+static plan_technique *turned(const plan *p) {
+    for (uint32_t i = 0; p->turned && i < p->technique_count; i++)
+        if (p->techniques[i].technique == p->turned)
+            return &p->techniques[i];
+    return NULL;
+}
+
+double plan_turned(const plan *p) {
+    const plan_technique *t = turned(p);
+    return t ? t->values[p->turned_knob] : 0.0;
+}
+
+void plan_turn(plan *p, double value) {
+    plan_technique *t = turned(p);
+    if (!t)
+        return;
+    t->values[p->turned_knob] = value;
+    if (p->nearest > 0)
+        p->nearest = (uint32_t)value;
 }
 
 double plan_floors(const plan *p, double cost) {

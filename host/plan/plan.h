@@ -49,6 +49,10 @@ typedef struct plan_input {
     double tolerance;   /* largest certified error accepted; 0 = exact techniques */
     uint64_t memory;    /* bytes techniques may take, 0 = unknown */
     const costs *costs; /* as measured on this device; NULL: the modules' own */
+    double budget;      /* ms that a frame may take, 0 = any; not under a tolerance */
+    double beside;      /* ms of that which go to other things than passes */
+    double ns;          /* of a blended fragment, as frames before took it; 0 = as `costs` say */
+    uint32_t late;      /* 1: exact frames were measured, and miss the budget */
 } plan_input;
 
 /* ---- output ---------------------------------------------------------------------------------- */
@@ -126,11 +130,16 @@ typedef struct plan {
     uint32_t bytes_per_fragment; /* of a record in fragments/1, 0 when nothing is captured */
     uint32_t expected_bands;     /* that the estimated fragments take in the memory and the storage
                                     range there is; 0 when nothing is captured */
-    double cost;                 /* of all that runs, PLAN_NO_COST when unknown */
-    double ms;                   /* that it is expected to take; PLAN_NO_COST when unknown */
-    char measured_on[256];       /* device that `points` are of, "" when nothing was measured */
-    strata_scene_stats stats;    /* as given */
-    demand demand;               /* as given */
+    /* Under a budget what trades time for accuracy: a knob of this one, NULL when none does. */
+    const modules_technique_note *turned;
+    uint32_t turned_knob;
+    double turned_least, turned_most;
+    uint32_t exact;           /* 1: what folds keeps every fragment, in order */
+    double cost;              /* of all that runs, PLAN_NO_COST when unknown */
+    double ms;                /* that it is expected to take; PLAN_NO_COST when unknown */
+    char measured_on[256];    /* device that `points` are of, "" when nothing was measured */
+    strata_scene_stats stats; /* as given */
+    demand demand;            /* as given */
 } plan;
 
 /* Makes a plan. INVALID_ARGUMENT: the user asked for what does not exist or does not fit together;
@@ -149,6 +158,10 @@ const plan_effect *plan_material_effect(const plan *p, const scene_material *mat
 
 /* NULL when that technique does not run. */
 const plan_technique *plan_find(const plan *p, const char *id);
+
+/* The knob that is turned, and turning it: `nearest` follows. */
+double plan_turned(const plan *p); /* 0 when there is none */
+void plan_turn(plan *p, double value);
 
 /* Cost as a multiple of the floor, blending each transparent fragment once; PLAN_NO_COST when
  * unknown or when there are no fragments. */

@@ -7,6 +7,7 @@
  *     assess.c    what each technique could do    choose.c    which of them run
  *     fold.c      the one that folds           clip.c      what limits it
  *     cull.c      what hides opaque objects
+ *     within.c    what fits a budget
  *     payload.c   layout of a record              json.c      the plan as JSON
  *     tolerance.c knobs that trade accuracy
  */
@@ -88,6 +89,27 @@ strata_result plan_trade(plan_work *w); /* knobs that trade accuracy, where the 
 strata_result plan_explain_trades(plan_work *w);
 /* Whether it says how wrong its image may be; what captures leaves that to what folds. */
 int plan_certifies(const plan_candidate *c);
+
+/* ---- within.c */
+/* One way to fold. capture is NULL for a stream technique, which stands in `fold`. */
+typedef struct plan_way {
+    plan_candidate *capture, *fold;
+    uint32_t layout;
+    double cost;  /* HUGE_VAL when unknown */
+    double keeps; /* under a budget: how many fragments a pixel, 0 = all */
+} plan_way;
+
+double plan_ns(const plan_input *in);      /* of a blended fragment, 0 = unknown */
+int plan_has_budget(const plan_input *in); /* that decides */
+double plan_room(const plan_work *w);      /* what the fold may cost; HUGE_VAL: unknown */
+/* The knob that may be turned to fit a budget; -1 when there is none. */
+int plan_free_knob(const plan_candidate *holder);
+/* Sets keeps and cost to the most that fits into `room`; 0: even the least does not, and that is
+ * what they are set to. */
+int plan_fit_way(const plan_work *w, plan_way *candidate, double room);
+/* Turns the way's holder to what it keeps, and notes that in the plan. */
+void plan_settle_budget(plan_work *w, const plan_way *chosen);
+void plan_explain_budget(plan_work *w, const plan_way *chosen);
 
 /* ---- assess.c */
 strata_result plan_collect(plan_work *w); /* candidates, with roles */

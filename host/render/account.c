@@ -198,8 +198,8 @@ json_t *render_account_json(const strata *s) {
         json_array_append_new(frame_ms, json_real(result->frames[i].ms));
     const render_session *session = s->session;
     json_t *account = json_pack(
-        "{s:s, s:o, s:[i,i], s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, "
-        "s:i, s:o}",
+        "{s:s, s:o, s:[i,i], s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, "
+        "s:i, s:i, s:o}",
         "scene", result->scene_path ? result->scene_path : "", "device", render_device_json(s),
         "size", (int)result->width, (int)result->height, "samples", (int)result->samples, "filter",
         render_filter_json(result->samples, result->filter), "effects",
@@ -208,9 +208,9 @@ json_t *render_account_json(const strata *s) {
         "frames", frames_json(result), "bytes", bytes_json(s), "bound",
         bound_json(result->bound.known, result->bound.uncertified, result->bound.max,
                    result->bound.mean),
-        "tolerance", tolerance_json(result), "retries", (int)result->retries, "bands",
-        (int)result->bands, "stalls", (int)result->stalls, "warnings",
-        render_warnings_json(s, session->scene, session->plan));
+        "tolerance", tolerance_json(result), "budget", render_budget_json(s), "retries",
+        (int)result->retries, "bands", (int)result->bands, "stalls", (int)result->stalls,
+        "warnings", render_warnings_json(s, session->scene, session->plan));
     add_report(account, &result->report);
     json_object_set_new(account, "complexity", render_complexity_json(s));
     return account;

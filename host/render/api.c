@@ -77,6 +77,7 @@ void strata_close(strata *s) {
     render_session_free(s->session);
     gpu_close(s->gpu);
     costs_free(&s->costs);
+    render_budget_end(s);
     modules_free(s->modules);
     render_result_clear(&s->result);
     for (uint32_t i = 0; i < s->exclusion_count; ++i) {

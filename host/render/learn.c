@@ -9,13 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static strata_result fit(strata *s, base_error *err) {
+strata_result render_costs_fit(strata *s, costs *c, base_error *err) {
     strata_result r = render_modules(s, err);
     const modules_note **notes = r == STRATA_OK ? render_notes(s) : NULL;
     if (r == STRATA_OK && !notes)
         r = base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "costs: out of memory");
     if (r == STRATA_OK)
-        costs_fit(&s->costs, notes, modules_count(s->modules));
+        costs_fit(c, notes, modules_count(s->modules));
     free(notes);
     return r;
 }
@@ -24,9 +24,10 @@ strata_result render_costs_load(strata *s, base_error *err) {
     const gpu_device_info *info = &s->device_info;
     char device[sizeof s->costs.device];
     costs_free(&s->costs);
-    snprintf(device, sizeof device, "%.120s, %.20s, %.100s", info->name, info->backend, info->driver);
+    snprintf(device, sizeof device, "%.120s, %.20s, %.100s", info->name, info->backend,
+             info->driver);
     strata_result r = costs_load(s->cache_dir, device, &s->costs, err);
-    return r == STRATA_OK ? fit(s, err) : r;
+    return r == STRATA_OK ? render_costs_fit(s, &s->costs, err) : r;
 }
 
 /* Points are taken with knobs at their presets, but for those that the terms tell: others are of
@@ -60,24 +61,28 @@ static double kept_by(const plan *p) {
     return 0;
 }
 
-void render_learn(strata *s) {
+int render_learn_frame(const strata *s, costs *c) {
     const render_session *session = s->session;
     const render_result *result = &s->result;
     const render_figures *last = &result->frames[result->frame_count - 1];
     double terms[COSTS_TERMS];
-    base_error err = {0};
     int learnt = 0;
     if (last->prepared || last->retries || session->certify || result->has_deep)
-        return;
+        return 0;
     for (uint32_t i = 0; i < session->plan->technique_count; ++i) {
         const plan_technique *t = &session->plan->techniques[i];
         const double ms = time_of(result, t->technique->id);
         costs_terms(t->technique, &session->plan->stats, kept_by(session->plan), terms);
-        learnt |= is_typical(t) && costs_add(&s->costs, t->technique->id, terms, ms);
+        learnt |= is_typical(t) && costs_add(c, t->technique->id, terms, ms);
     }
-    if (!learnt)
+    return learnt;
+}
+
+void render_learn(strata *s) {
+    base_error err = {0};
+    if (!render_learn_frame(s, &s->costs))
         return;
-    strata_result r = fit(s, &err);
+    strata_result r = render_costs_fit(s, &s->costs, &err);
     if (r == STRATA_OK && s->cache_dir)
         r = costs_save(s->cache_dir, &s->costs, &err);
     if (r != STRATA_OK)

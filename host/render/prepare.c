@@ -98,6 +98,8 @@ strata_result render_plan(strata *s, scene *sc, const strata_render_options *opt
                           const scene_view *view, plan **out, base_error *err) {
     demand wants;
     strata_scene_stats stats = {.struct_size = sizeof stats};
+    const int follows = s->start.scene == sc && s->budget.asked == options->budget;
+    const int learnt = follows && s->budget.costs.count > 0;
     plan_input input = {.demand = &wants,
                         .stats = &stats,
                         .fact = s->gpu ? device_fact : NULL,
@@ -113,7 +115,13 @@ strata_result render_plan(strata *s, scene *sc, const strata_render_options *opt
                         .tolerance = options->tolerance,
                         .raise = s->raise,
                         .memory = s->memory,
-                        .costs = s->gpu ? &s->costs : NULL};
+                        .costs = learnt   ? &s->budget.costs
+                                 : s->gpu ? &s->costs
+                                          : NULL,
+                        .budget = options->budget,
+                        .beside = follows ? s->budget.beside : 0,
+                        .ns = follows ? s->budget.ns : 0,
+                        .late = follows && s->budget.late};
     const modules_note **notes = NULL;
     strata_result r = render_modules(s, err);
     if (r == STRATA_OK)
@@ -167,8 +175,8 @@ static int fits(const render_session *session, const scene *sc,
 /* What of the options goes into a plan beside what fits() compares. */
 static char *request_of(const strata_render_options *options) {
     base_text text = {0};
-    base_text_add(&text, "%s\n%s\n%a\n%u\n", options->use ? options->use : "",
-                  options->effects ? options->effects : "auto", options->tolerance,
+    base_text_add(&text, "%s\n%s\n%a\n%a\n%u\n", options->use ? options->use : "",
+                  options->effects ? options->effects : "auto", options->tolerance, options->budget,
                   options->outputs & STRATA_OUTPUT_DEEP);
     for (uint32_t i = 0; i < options->setting_count; ++i)
         base_text_add(&text, "%s\n", options->settings[i] ? options->settings[i] : "");
@@ -199,7 +207,7 @@ int render_continues(const strata *s, const strata_render_options *options) {
 int render_keeps_plan(const strata *s, const scene *sc, const strata_render_options *options) {
     demand wants;
     base_error ignored = {0};
-    return render_continues(s, options) && fits(s->session, sc, options) &&
+    return !s->budget.replan && render_continues(s, options) && fits(s->session, sc, options) &&
            s->session->raise == s->raise &&
            (s->session->scene_revision == sc->revision ||
             (demand_make(sc, &wants, &ignored) == STRATA_OK &&
@@ -265,6 +273,18 @@ static strata_result drop_failed(strata *s, strata_result r) {
 strata_result render_session_keep(strata *s, const strata_render_options *options,
                                   base_error *err) {
     return drop_failed(s, refresh(s->session, options, err));
+}
+
+strata_result render_session_turn(render_session *session, double value, base_error *err) {
+    plan_turn(session->plan, value);
+    char *key = plan_key(session->plan);
+    if (!key)
+        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "plan: out of memory");
+    free(session->plan_text);
+    session->plan_text = key;
+    session->changed |= STRATA_CHANGED_SETTINGS;
+    session->prepared = 0;
+    return STRATA_OK;
 }
 
 strata_result render_session_open(strata *s, scene *sc, const strata_render_options *options,

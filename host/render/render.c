@@ -209,12 +209,11 @@ static render_figures figures_of(const strata *s, const render_result *before, d
 static strata_result render_frames(strata *s, const strata_render_options *options,
                                    const char **failed, base_error *err) {
     render_result *result = &s->result;
-    result->frame_count = 0;
     /* The key light belongs to the camera that the sequence began with, before it turned. */
     strata_result r = upload_set_key_light(s->session->upload, &s->start.view, err);
     if (r != STRATA_OK)
         return r;
-    for (uint32_t i = 0; i < options->repeat; ++i) {
+    for (uint32_t i = result->frame_count; i < options->repeat && !s->budget.replan; ++i) {
         const double begin = base_now_ms();
         const render_result before = *result;
         r = render_view(s, s->session->scene, options, options->angle + options->turn * i,
@@ -223,11 +222,19 @@ static strata_result render_frames(strata *s, const strata_render_options *optio
             r = render_frame(s->session, &result->view, options, failed, err);
         if (r != STRATA_OK)
             return r;
-        result->frames[result->frame_count++] = figures_of(s, &before, base_now_ms() - begin);
+        result->frames[result->frame_count] = figures_of(s, &before, base_now_ms() - begin);
+        r = render_budget_learn(s, options, &result->frames[result->frame_count++], err);
+        if (r != STRATA_OK)
+            return r;
         if (options->progress &&
             options->progress(options->user, (i + 1.0) / options->repeat) != STRATA_OK)
             return base_fail(err, STRATA_ERROR_CANCELLED, "cancelled");
     }
+    return STRATA_OK;
+}
+
+static void end_frames(strata *s) {
+    render_result *result = &s->result;
     result->bands = s->session->band_count;
     result->report = s->session->report;
     if (result->report.lost > 0)
@@ -235,7 +242,6 @@ static strata_result render_frames(strata *s, const strata_render_options *optio
                     "%llu pixels are wrong: their fragments arrived out of order by more than the "
                     "technique holds",
                     (unsigned long long)result->report.lost);
-    return STRATA_OK;
 }
 
 /* Ends everything that lives on the device, so that the next attempt opens a new one. */
@@ -253,13 +259,11 @@ static void begin_sequence(strata *s, const scene *sc, const scene_view *view) {
     memcpy(s->start.bounds.upper, sc->upper, sizeof s->start.bounds.upper);
 }
 
-static strata_result attempt(strata *s, scene *sc, const strata_render_options *options,
-                             const char **failed, base_error *err) {
+/* The session that fits, and what of the frames it renders. */
+static strata_result plan_and_render(strata *s, scene *sc, const strata_render_options *options,
+                                     const char **failed, base_error *err) {
     plan *p = NULL;
-    *failed = NULL;
-    strata_result r = render_device(s, err);
-    if (r == STRATA_OK)
-        r = render_view(s, sc, options, 0, &s->result.view, err);
+    strata_result r = render_view(s, sc, options, 0, &s->result.view, err);
     if (r == STRATA_OK && !options->continues)
         begin_sequence(s, sc, &s->result.view);
     if (r == STRATA_OK && render_keeps_plan(s, sc, options)) {
@@ -268,11 +272,26 @@ static strata_result attempt(strata *s, scene *sc, const strata_render_options *
         r = render_plan(s, sc, options, &s->result.view, &p, err);
         if (r == STRATA_OK)
             r = render_session_open(s, sc, options, p, err);
+        if (r == STRATA_OK)
+            render_budget_planned(s);
     }
     if (r != STRATA_OK)
         return r;
     s->session->careful = s->losses > 0;
     return render_frames(s, options, failed, err);
+}
+
+/* All frames; a budget may want another plan between two of them. */
+static strata_result attempt(strata *s, scene *sc, const strata_render_options *options,
+                             const char **failed, base_error *err) {
+    *failed = NULL;
+    s->result.frame_count = 0;
+    strata_result r = render_device(s, err);
+    while (r == STRATA_OK && s->result.frame_count < options->repeat)
+        r = plan_and_render(s, sc, options, failed, err);
+    if (r == STRATA_OK)
+        end_frames(s);
+    return r;
 }
 
 /* Whether another plan or device may succeed after this failure; excludes the culprit. */
@@ -387,10 +406,14 @@ strata_result strata_render(strata *s, strata_scene *sc, const strata_render_opt
     if (!s->result.frames || !s->result.scene_path)
         return base_fail(&s->error, STRATA_ERROR_OUT_OF_HOST_MEMORY, "out of memory");
     options.continues = options.continues && s->start.scene == sc->scene;
+    if (!options.continues || options.budget != s->budget.asked)
+        render_budget_begin(s, options.budget);
     if (render_continues(s, &options))
         s->raise = s->session->raise;
     r = render_within(s, sc->scene, &options, &err);
     s->raise = 0;
+    if (r == STRATA_OK || r == STRATA_PARTIAL)
+        render_budget_warn(s, &options);
     if (r == STRATA_OK && options.learn)
         render_learn(s);
     s->result.valid = r == STRATA_OK || r == STRATA_PARTIAL;

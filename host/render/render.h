@@ -15,6 +15,7 @@
  *     bound.c     certificates: losses and bound/1
  *     deep.c      fragments as elements, for deep images
  *     account.c   what it cost
+ *     budget.c    frames within a budget of time
  *     learn.c     and what the plan learns of that
  *     complexity.c  how many fragments pixels hold, and how many they need
  *     configurations.c  every way to render a scene
@@ -26,6 +27,7 @@
 #include "gpu/gpu.h"
 #include "image/image.h"
 #include "modules/modules.h"
+#include "plan/budget.h"
 #include "plan/demand.h"
 #include "plan/estimate.h"
 #include "plan/plan.h"
@@ -208,6 +210,33 @@ typedef struct render_result {
     char *scene_path;
 } render_result;
 
+#define RENDER_BUDGET_FRAMES 1024u /* that are remembered */
+
+/* A frame of a sequence with a budget. */
+typedef struct render_budget_frame {
+    double ms, level; /* level of what is turned, 0: nothing is */
+    uint32_t judged;  /* 0: it prepared, and says nothing */
+    uint32_t reserved;
+} render_budget_frame;
+
+/* Of a sequence: what was learnt, and what happens next. */
+typedef struct render_budget {
+    double asked;    /* ms; 0: none */
+    costs costs;     /* what the device's are, and what the frames add to them */
+    double beside;   /* ms of a frame that are not its passes' */
+    double ns;       /* of a blended fragment, where passes are not timed; 0: unknown */
+    double ms;       /* mean of the frames since the plan or the knob changed */
+    uint32_t judged; /* of them; what they say of `late` wants two */
+    uint32_t late;   /* exact frames were judged, and take too long */
+    uint32_t replan; /* 1: the next frame wants another plan */
+    uint32_t replans;
+    uint32_t retried; /* 1: exactness was weighed again, at the most that the knob takes */
+    uint32_t stuck;   /* 1: the least was set and takes too long */
+    budget_rule rule;
+    render_budget_frame *frames; /* the last ones */
+    uint32_t count;
+} render_budget;
+
 struct strata {
     base_error error;
     char *backend, *device, *module_path, *cache_dir, *inject;
@@ -222,9 +251,10 @@ struct strata {
     plan_exclusion *exclusions; /* techniques that failed; texts owned */
     uint32_t exclusion_count;
     struct strata_scene *scenes;
-    uint32_t losses; /* of the device, in all renders */
-    costs costs;     /* measured on the device that is open, while there is one */
-    uint32_t raise;  /* of the plan: how often the tolerance was missed in this render */
+    uint32_t losses;      /* of the device, in all renders */
+    costs costs;          /* measured on the device that is open, while there is one */
+    render_budget budget; /* of the sequence */
+    uint32_t raise;       /* of the plan: how often the tolerance was missed in this render */
 };
 
 /* ---- api.c ----------------------------------------------------------------------------------- */
@@ -266,6 +296,8 @@ strata_result render_session_keep(strata *s, const strata_render_options *option
  * ownership of p in any case. */
 strata_result render_session_open(strata *s, scene *sc, const strata_render_options *options,
                                   plan *p, base_error *err);
+/* Sets the plan's knob to a value; the next frame prepares. */
+strata_result render_session_turn(render_session *session, double value, base_error *err);
 /* No technique of this id in later plans. */
 strata_result render_exclude(strata *s, const char *technique, const char *reason, base_error *err);
 void render_warn(strata *s, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -323,11 +355,24 @@ strata_result render_deep_band(render_session *session, const render_rect *band,
 image_deep render_deep_image(const render_session *session); /* borrows the arrays */
 void render_deep_free(render_deep *deep);
 
+/* ---- budget.c -------------------------------------------------------------------------------- */
+void render_budget_begin(strata *s, double asked); /* forgets the sequence before */
+void render_budget_end(strata *s);
+void render_budget_planned(strata *s); /* the session has a plan of its own */
+/* Learns from a frame; what is to be turned is turned. */
+strata_result render_budget_learn(strata *s, const strata_render_options *options,
+                                  const render_figures *figures, base_error *err);
+void render_budget_warn(strata *s, const strata_render_options *options);
+json_t *render_budget_json(const strata *s); /* null when there is none */
+
 /* ---- learn.c --------------------------------------------------------------------------------- */
 /* What is known of the device that was just opened. */
 strata_result render_costs_load(strata *s, base_error *err);
-/* Adds the last frame, if it is typical. */
+/* Adds the last frame to what is known of the device, if it is typical. */
 void render_learn(strata *s);
+/* The same, to c alone; 0: it is not, or passes are not timed. */
+int render_learn_frame(const strata *s, costs *c);
+strata_result render_costs_fit(strata *s, costs *c, base_error *err);
 
 /* ---- complexity.c ---------------------------------------------------------------------------- */
 /* Of the last render's deep image: how many pixels hold, and how many need, so many fragments.

@@ -450,6 +450,10 @@ strata_result ask(const request *r, kit *k, demand *d, plan **out, base_error *e
         .samples = r->samples,
         .need_fragments = r->deep,
         .costs = r->costs,
+        .budget = r->budget,
+        .ns = r->ns,
+        .beside = r->beside,
+        .late = r->late,
     };
     snprintf(facts, sizeof facts, "%s", r->device ? r->device : everything);
     kit_make(k, r->installed);

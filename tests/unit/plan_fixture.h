@@ -38,6 +38,8 @@ typedef struct request {
     double tolerance;
     uint32_t samples, deep, raise;
     const costs *costs;
+    double budget, beside, ns; /* in ms; of a fragment */
+    uint32_t late;
 } request;
 
 #define FOR(modules, letters) .installed = (modules), .scene = (letters)

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The feedback rule; see budget.h.
+ */
+#include "plan/budget.h"
+
+#include <math.h>
+
+/* Between these shares of the target a level stays. */
+#define LOW  0.9
+#define HIGH 1.05
+
+#define AIM     0.98 /* of the target: it shall be met, not missed by a little */
+#define LARGEST 4.0  /* factor between two levels */
+#define OTHER   1.5  /* factor between the times of two scenes */
+#define RECENT  4u   /* frames that a mean goes back */
+
+budget_rule budget_begin(double target, double minimum, double maximum, double level) {
+    return (budget_rule){.target = target,
+                         .minimum = minimum,
+                         .maximum = maximum,
+                         .level = fmin(fmax(floor(level), minimum), maximum)};
+}
+
+/* By the line through what was measured; where that is flat or falls, as far as is allowed. */
+static double propose(const budget_rule *r) {
+    const double aim = AIM * r->target;
+    if (!(r->other > 0.0))
+        return r->level * aim / r->ms;
+    const double slope = (r->ms - r->other_ms) / (r->level - r->other);
+    if (slope > 0.0)
+        return r->level + (aim - r->ms) / slope;
+    return r->ms > r->target ? r->level / LARGEST : r->level * LARGEST;
+}
+
+/* What holds as a bound is forgotten when a later measurement contradicts it: scenes change. */
+static void bracket(budget_rule *r) {
+    if (r->ms > r->target) {
+        r->misses = r->level;
+        if (r->fits >= r->level)
+            r->fits = 0.0;
+    } else {
+        r->fits = r->level;
+        if (r->misses <= r->level)
+            r->misses = 0.0;
+    }
+}
+
+static double next_level(const budget_rule *r) {
+    double next = fmin(fmax(propose(r), r->level / LARGEST), r->level * LARGEST);
+    next = floor(fmin(fmax(next, r->minimum), r->maximum));
+    if (r->ms > r->target)
+        next = fmax(fmin(next, r->level - 1.0), r->minimum);
+    else
+        next = fmin(fmax(next, r->level + 1.0), r->maximum);
+    if (r->fits > 0.0 && r->misses > 0.0 && (next <= r->fits || next >= r->misses))
+        next = r->misses - r->fits > 1.0 ? floor(0.5 * (r->fits + r->misses)) : r->fits;
+    return next;
+}
+
+/* Whether a level that was settled for is as good as it was. One whose time is not the target, for
+ * there is none between it and the next, is left only when frames are quite different ones. */
+static int stays(const budget_rule *r) {
+    const double late = r->target * BUDGET_MET;
+    if (r->settled_ms > HIGH * r->target)
+        return r->ms <= r->settled_ms * OTHER && r->ms * OTHER >= r->settled_ms;
+    const double early =
+        r->settled_ms >= LOW * r->target ? r->target * LOW / BUDGET_MET : r->settled_ms / OTHER;
+    return r->ms <= late && r->ms >= early;
+}
+
+int budget_measure(budget_rule *r, double ms) {
+    r->frames += r->frames < RECENT;
+    r->ms += (ms - r->ms) / r->frames;
+    if (r->settled_ms > 0.0) {
+        if (stays(r))
+            return 0;
+        r->settled_ms = r->fits = r->misses = r->other = 0.0; /* the scene is another */
+    }
+    if (r->ms >= LOW * r->target && r->ms <= HIGH * r->target) {
+        r->settled_ms = r->ms;
+        return 0;
+    }
+    bracket(r);
+    const double next = next_level(r);
+    if (next == r->level) { /* the least, the most, or the last that fits */
+        r->settled_ms = r->ms;
+        return 0;
+    }
+    r->other = r->level;
+    r->other_ms = r->ms;
+    r->level = next;
+    r->frames = 0;
+    r->ms = 0.0;
+    return 1;
+}

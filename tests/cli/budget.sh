@@ -1,0 +1,75 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+#
+# --budget and --learn: budgets that any machine meets, and such as none does; what is turned on the
+# way gives the same picture as when it is set; what was learnt is said, and can be forgotten.
+. "$(dirname "$0")/lib.sh"
+scene='scene:shells?count=6&subdivision=2'
+STRATA_CACHE_DIR=$folder/cache
+export STRATA_CACHE_DIR
+
+for ms in 0 -1 x nan inf 1e10 ''; do
+    refuse "budget '$ms'" 2 'milliseconds' render $scene -o x.png --budget "$ms"
+done
+have_device || { echo 'ok - # SKIP no device'; finish; exit; }
+size='--size 48x32'
+
+run render $scene $size -o exact.exr --account exact.json
+[ "$status" -eq 0 ] && [ "$(get exact.json budget)" = null ]
+verdict 'no budget, none accounted'
+
+run render $scene $size -o met.exr --repeat 4 --budget 1e9 --account met.json
+[ "$status" -eq 0 ] && [ ! -s err ] && [ "$(get met.json budget/met)" = true ] &&
+    [ "$(get met.json budget/knob)" = null ] && [ "$(get met.json budget/frames/#)" = 4 ] &&
+    [ "$(get met.json budget/frames/0/judged)" = false ] &&
+    [ "$(get met.json budget/frames/3/judged)" = true ] && cmp -s exact.exr met.exr
+verdict 'a budget that is met takes the exact way'
+
+run render $scene $size -o missed.exr --repeat 8 --budget 0.001 --account missed.json
+[ "$status" -eq 0 ] && grep -qF 'the budget of 0.001 ms is missed' err &&
+    [ "$(get missed.json budget/met)" = false ] && [ "$(get missed.json budget/frames/#)" = 8 ] &&
+    [ "$(get missed.json frame_ms/#)" = 8 ]
+verdict 'one that is missed is a warning'
+
+run render $scene $size -o turned.exr --repeat 12 --use kplus,ppc --budget 0.001 --account turned.json
+k=$(get turned.json plan/1/settings/k)
+[ "$status" -eq 0 ] && [ "$k" = 1 ] && [ "$(get turned.json budget/knob)" = k ] &&
+    run render $scene $size -o set.exr --use kplus,ppc --set kplus.k=$k && cmp -s turned.exr set.exr
+verdict 'what is turned is as if it were set'
+
+run render $scene $size -o frame.exr --frames 12 --use kplus,ppc --budget 0.001 --account frames.json
+[ "$status" -eq 0 ] && [ "$(get frames.json plan/1/settings/k)" = 1 ] && cmp -s turned.exr frame.exr &&
+    [ "$(get frames.json budget/frames/#)" = 12 ] && [ "$(get frames.json frames/11/prepared)" = 0 ]
+verdict 'the same over the frames of a sequence, which then prepare no more'
+
+run render $scene $size -o set2.exr --repeat 6 --use kplus,ppc --set kplus.k=3 --budget 0.001 \
+    --account set2.json
+[ "$status" -eq 0 ] && [ "$(get set2.json plan/1/settings/k)" = 3 ]
+verdict 'what is set is not turned'
+
+run render $scene $size -o both.exr --repeat 3 --tolerance 0.5 --budget 0.001 --account both.json
+[ "$status" -eq 0 ] && [ "$(get both.json tolerance/certified)" = true ] &&
+    [ "$(get both.json budget/met)" = false ] && grep -q 'is missed' err
+verdict 'a tolerance comes first'
+
+run plan $scene $size --json
+cp out before.json
+run render $scene $size -o x.png --repeat 3 --learn
+learnt=$(ls "$STRATA_CACHE_DIR"/costs/*.json 2>/dev/null)
+if [ "$(get before.json measured_on)" = null ] && [ -s "$learnt" ] && clean; then
+    run plan $scene $size --json
+    [ "$(get out measured_on)" != null ] && [ "$(get out ms)" != null ] &&
+        [ "$(get out techniques/1/points)" = 1 ] && [ "$(get out techniques/0/points)" = 1 ]
+    verdict 'what was learnt is said'
+    echo '{"format":1,"device":7}' >"$learnt"
+    run plan $scene $size --json
+    [ "$status" -eq 0 ] && is_line 'is ignored' && [ "$(get out measured_on)" = null ]
+    verdict 'a damaged file is ignored, with a line'
+    rm -r "$STRATA_CACHE_DIR/costs"
+    run plan $scene $size --json
+    [ "$status" -eq 0 ] && [ ! -s err ] && cmp -s out before.json
+    verdict 'what was learnt can be forgotten'
+else
+    fail 'learning'
+fi
+finish

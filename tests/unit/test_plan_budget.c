@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * host/plan under a budget of time: exact where that is expected to fit, else as many of the
+ * nearest fragments as fit, else what comes closest; and what is named, set or asked for beside it.
+ */
+#include "unit/plan_fixture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* 1,000 fragments over 100 pixels, 10 deep; a fragment takes 1 us, so that 1,000 units are 1 ms.
+ * abuffer + ppc: 4. kplus + ppc: 1 + k / 10. slowk + ppc: 5 + k / 10. pass: 0.16 and 0.634 for each
+ * layer. */
+#define US  .ns = 1000
+#define SET "surface kplus slowk abuffer ppc over"
+
+static void what_fits_is_taken(void **state) {
+    (void)state;
+    static const struct {
+        request r;
+        const char *order;
+        double nearest; /* of what is turned, 0: nothing is */
+        const char *warning;
+    } rows[] = {
+        {{FOR(SET, "b"), US, .budget = 4}, "abuffer ppc", 0, NULL},
+        {{FOR(SET, "b"), US, .budget = 3.9}, "kplus ppc", 10, NULL},
+        {{FOR(SET, "b"), US, .budget = 1.55}, "kplus ppc", 5, NULL},
+        {{FOR(SET, "b"), US, .budget = 1.1}, "kplus ppc", 1, NULL},
+        {{FOR(SET, "b"), US, .budget = 1.05}, "kplus ppc", 1, "not expected to meet"},
+        {{FOR(SET, "b"), US, .budget = 1.05, .beside = 1}, "kplus ppc", 1, "not expected to meet"},
+        {{FOR(SET, "b"), US, .budget = 3.55, .beside = 2}, "kplus ppc", 5, NULL},
+        {{FOR(SET, "b"), US, .budget = 100, .late = 1}, "kplus ppc", 10, NULL},
+        /* nothing was measured: exact first, and then the frames tell */
+        {{FOR(SET, "b"), .budget = 0.001}, "abuffer ppc", 0, NULL},
+        {{FOR(SET, "b"), .budget = 0.001, .late = 1}, "kplus ppc", 10, NULL},
+        /* layers are fragments kept, too */
+        {{FOR("abuffer ppc pass over", "b"), US, .budget = 3.8}, "pass", 5, NULL},
+        {{FOR("abuffer ppc pass over", "b"), US, .budget = 2}, "pass", 2, NULL},
+        {{FOR("abuffer kplus ppc pass over", "b"), US, .budget = 2}, "kplus ppc", 10, NULL},
+        /* the last resort */
+        {{FOR("abuffer ppc wboit over", "b"), US, .budget = 1},
+         "wboit",
+         0,
+         "no bound of its error"},
+        {{FOR("abuffer ppc wboit over", "b"), US, .budget = 4}, "abuffer ppc", 0, NULL},
+        {{FOR("abuffer ppc over", "b"), US, .budget = 1}, "abuffer ppc", 0, "not expected to meet"},
+        /* what is asked for beside it */
+        {{FOR(SET, "b"), US, .budget = 5.3, .use = "slowk"}, "slowk ppc", 3, NULL},
+        {{FOR(SET, "b"), US, .budget = 1.5, .use = "abuffer"},
+         "abuffer ppc",
+         0,
+         "not expected to meet"},
+        {{FOR(SET, "b"), US, .budget = 1.5, .settings = {"kplus.k=2"}},
+         "abuffer ppc",
+         0,
+         "not expected to meet"},
+        {{FOR(SET, "b"), US, .budget = 1.5, .deep = 1}, "abuffer ppc", 0, NULL},
+        {{FOR(SET, "b"), US, .budget = 1.05, .tolerance = 0.01}, "kplus ppc", 0, NULL},
+        {{FOR(SET, "o"), US, .budget = 1}, "surface", 0, NULL},
+    };
+    for (size_t i = 0; i < BASE_COUNT(rows); i++) {
+        kit k;
+        demand d;
+        plan *p = get(&rows[i].r, &k, &d);
+        if (strcmp(order_of(p), rows[i].order) != 0 || plan_turned(p) != rows[i].nearest)
+            fail_msg("row %zu: '%s' at %g, not '%s' at %g", i, order_of(p), plan_turned(p),
+                     rows[i].order, rows[i].nearest);
+        const char *warning = p->warning_count ? p->warnings[0] : NULL;
+        if (!warning != !rows[i].warning || (warning && !strstr(warning, rows[i].warning)))
+            fail_msg("row %zu: warning '%s'", i, warning ? warning : "none");
+        assert_int_equal(p->exact, strstr(rows[i].order, "abuffer") ||
+                                       (strcmp(rows[i].order, "pass") == 0 && !p->turned));
+        plan_free(p);
+    }
+}
+
+static void turning_follows(void **state) {
+    (void)state;
+    kit k;
+    demand d;
+    const request r = {FOR(SET, "b"), US, .budget = 1.55};
+    plan *p = get(&r, &k, &d);
+    assert_true(p->turned_least == 1 && p->turned_most == 10 && p->nearest == 5);
+    assert_true(p->ms > 1.499 && p->ms < 1.501);
+    assert_non_null(strstr(reason_of(p, "kplus"), "for the budget of 1.55 ms it begins with the "
+                                                  "nearest 5 of up to 10 fragments a pixel"));
+    plan_turn(p, 3);
+    assert_true(plan_turned(p) == 3 && p->nearest == 3);
+    assert_true(plan_find(p, "kplus")->settings.values[0] == 3);
+    plan_free(p);
+}
+
+static void exact_ways_say_whether_they_fit(void **state) {
+    (void)state;
+    static const struct {
+        request r;
+        const char *words;
+    } rows[] = {
+        {{FOR(SET, "b"), US, .budget = 5}, "the budget of 5 ms is expected to be met"},
+        {{FOR("abuffer ppc over", "b"), US, .budget = 1},
+         "the budget of 1 ms is expected to be missed"},
+        {{FOR(SET, "b"), .budget = 5}, "whether the budget of 5 ms is met is not known yet"},
+    };
+    for (size_t i = 0; i < BASE_COUNT(rows); i++) {
+        kit k;
+        demand d;
+        plan *p = get(&rows[i].r, &k, &d);
+        if (!strstr(reason_of(p, "abuffer"), rows[i].words))
+            fail_msg("row %zu: '%s'", i, reason_of(p, "abuffer"));
+        plan_free(p);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_fits_is_taken),
+        cmocka_unit_test(turning_follows),
+        cmocka_unit_test(exact_ways_say_whether_they_fit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
