@@ -14,6 +14,7 @@ typedef struct judged { /* one case */
     json_t *root, *one;
     const json_t *configurations;
     double floor_ms; /* 0: not measured */
+    int own_counts;  /* see is_candidate */
     double depth;    /* largest count of fragments in a pixel; infinite when unknown */
 } judged;
 
@@ -102,8 +103,21 @@ static double certified_of(const json_t *c) {
 
 /* ---- the front ------------------------------------------------------------------------------- */
 
-static int is_candidate(const json_t *c) {
-    return is_measured(c) && !is_floor(c) && !is_own(c);
+/* The plan's own choice is one of the others, and stands for itself only where it is not. */
+static int is_candidate(const judged *j, const json_t *c) {
+    return is_measured(c) && !is_floor(c) && (!is_own(c) || j->own_counts);
+}
+
+/* Whether nothing that folds is exact but what the plan chose: nothing folds, or --only left it
+ * out. */
+static int is_own_alone(const judged *j) {
+    size_t i;
+    const json_t *c;
+    json_array_foreach(j->configurations, i, c) {
+        if (is_measured(c) && !is_floor(c) && !is_own(c) && is_exact(j, c))
+            return !(j->floor_ms > 0);
+    }
+    return 1;
 }
 
 /* Nothing is as fast and as right, and better in one of the two. */
@@ -111,11 +125,12 @@ static int is_front(const judged *j, const json_t *c, double (*error_of)(const j
     const double ms = cli_number(c, "ms"), error = error_of(c);
     size_t i;
     const json_t *other;
-    if (!is_candidate(c) || !isfinite(error))
+    if (!is_candidate(j, c) || !isfinite(error))
         return 0;
     json_array_foreach(j->configurations, i, other) {
         const double theirs = error_of(other), time = cli_number(other, "ms");
-        if (is_candidate(other) && time <= ms && theirs <= error && (time < ms || theirs < error))
+        if (is_candidate(j, other) && time <= ms && theirs <= error &&
+            (time < ms || theirs < error))
             return 0;
     }
     return 1;
@@ -140,7 +155,7 @@ static const json_t *fastest(const judged *j, double (*error_of)(const json_t *)
     const json_t *best = NULL, *c;
     size_t i;
     json_array_foreach(j->configurations, i, c) {
-        if (is_candidate(c) && error_of(c) <= most &&
+        if (is_candidate(j, c) && error_of(c) <= most &&
             (!best || cli_number(c, "ms") < cli_number(best, "ms")))
             best = c;
     }
@@ -196,9 +211,13 @@ static void say_exact(const judged *j, const json_t *exact) {
         say(j, json_string("No exact way was measured."));
         return;
     }
-    say(j, json_sprintf("Exact costs %s (%s): %.3g ms a frame%s.", cost_of(j, exact, cost),
-                        cli_get(exact, "name"), cli_number(exact, "ms"),
-                        j->floor_ms > 0 ? "" : "; nothing is blended, so there is no floor"));
+    if (j->floor_ms > 0)
+        say(j, json_sprintf("Exact costs %s (%s): %.3g ms a frame.", cost_of(j, exact, cost),
+                            cli_get(exact, "name"), cli_number(exact, "ms")));
+    else
+        say(j,
+            json_sprintf("Exact costs %s a frame (%s); nothing is blended, so there is no floor.",
+                         cost_of(j, exact, cost), cli_get(exact, "name")));
 }
 
 static void say_enough(const judged *j) {
@@ -218,13 +237,16 @@ static void say_enough(const judged *j) {
 }
 
 static void say_own(const judged *j, const json_t *exact) {
+    const char *name = cli_get(json_object_get(j->one, "reference"), "name");
     size_t i;
     const json_t *c;
     json_array_foreach(j->configurations, i, c) {
         if (is_own(c) && is_measured(c) && exact && cli_number(exact, "ms") > 0)
-            say(j, json_sprintf("The plan by itself takes %s: %.2f times the fastest exact way.",
-                                cli_get(json_object_get(j->one, "reference"), "name"),
-                                cli_number(c, "ms") / cli_number(exact, "ms")));
+            say(j,
+                json_sprintf("The plan's own choice%s%s%s takes %.2f times as long as the fastest "
+                             "exact way.",
+                             *name ? " (" : "", name, *name ? ")" : "",
+                             cli_number(c, "ms") / cli_number(exact, "ms")));
     }
 }
 
@@ -290,6 +312,7 @@ static void judge_case(json_t *root, json_t *one) {
             j.floor_ms = cli_number(c, "ms");
     }
     json_object_set_new(one, "floor_ms", j.floor_ms > 0 ? json_real(j.floor_ms) : json_null());
+    j.own_counts = is_own_alone(&j);
     add_figures(&j);
     json_array_foreach(j.configurations, i, c) {
         if (!is_floor(c))
