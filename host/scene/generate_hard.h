@@ -47,6 +47,7 @@ void generate_hard_storage(generate_builder *b); /* values: layers, and how many
 /* ---- generate_hard_color.c --------------------------------------------------------------------
  */
 void generate_hard_bright(generate_builder *b); /* values: the brightest channel */
+void generate_hard_nearly(generate_builder *b);
 void generate_hard_straight(generate_builder *b);
 void generate_hard_srgb(generate_builder *b);
 

@@ -7,27 +7,50 @@
 
 #include <stdlib.h>
 
+static generate_mesh begin_colored(generate_builder *b) {
+    return generate_mesh_begin(b, GENERATE_NORMALS | GENERATE_COLORS);
+}
+
+/* Blends, by the alpha of its vertices. */
+static void show_colored(generate_builder *b, generate_mesh *mesh, const char *name) {
+    scene_material material = generate_hard_material(1, 1, 1, 0.5);
+    material.base_color[3] = 1;
+    generate_hard_show(mesh, name, &material);
+    generate_camera_flat(b, 1, 1, 1);
+}
+
+static void colored_quad(generate_mesh *mesh, const double box[4], double z, const float color[3],
+                         double alpha) {
+    uint32_t first = (uint32_t)mesh->vertex_count;
+    for (int corner = 0; corner < 4; corner++) {
+        generate_vertex(mesh, corner % 3 ? box[2] : box[0], corner / 2 ? box[3] : box[1], z);
+        generate_color(mesh, color, alpha);
+    }
+    generate_triangle(mesh, first, first + 1, first + 2);
+    generate_triangle(mesh, first, first + 2, first + 3);
+}
+
 /* Steps that overlap, so that a pixel sees up to eight; dim ones between the bright. */
 void generate_hard_bright(generate_builder *b) {
     static const double alphas[8] = {0.5, 0.25, 0x1p-9, 0.75, 1 - 0x1p-24, 0, 0.125, 0.5};
-    scene_material material = generate_hard_material(1, 1, 1, 0.5);
-    material.base_color[3] = 1;
-    generate_mesh mesh = generate_mesh_begin(b, GENERATE_NORMALS | GENERATE_COLORS);
+    generate_mesh mesh = begin_colored(b);
     for (int i = 0; i < 8; i++) {
         const float top = i % 2 ? 0.75f : (float)b->knobs[0];
         const float color[3] = {top, top / 2, i % 4 ? 0.125f : top / 4};
         const double left = -1 + i / 8.0, box[4] = {left, -1 + i / 16.0, left + 1, 1 - i / 16.0};
-        uint32_t first = (uint32_t)mesh.vertex_count;
-        for (int corner = 0; corner < 4; corner++) {
-            generate_vertex(&mesh, corner % 3 ? box[2] : box[0], corner / 2 ? box[3] : box[1],
-                            -(i * 3 % 8 + 1) / 16.0);
-            generate_color(&mesh, color, alphas[i]);
-        }
-        generate_triangle(&mesh, first, first + 1, first + 2);
-        generate_triangle(&mesh, first, first + 2, first + 3);
+        colored_quad(&mesh, box, -(i * 3 % 8 + 1) / 16.0, color, alphas[i]);
     }
-    generate_hard_show(&mesh, "steps", &material);
-    generate_camera_flat(b, 1, 1, 1);
+    show_colored(b, &mesh, "steps");
+}
+
+/* A dark layer that lets 2^-24 through, of what is 2^20 bright. */
+void generate_hard_nearly(generate_builder *b) {
+    const double all[4] = {-1, -1, 1, 1};
+    generate_mesh mesh = begin_colored(b);
+    colored_quad(&mesh, all, -0.5, (const float[3]){0x1p20f, 0x1p19f, 0x1p18f}, 0.5);
+    colored_quad(&mesh, all, -0.25, (const float[3]){0.25f, 0.25f, 0.25f}, 1 - 0x1p-24);
+    colored_quad(&mesh, all, -0.75, (const float[3]){0x1p18f, 0x1p19f, 0x1p20f}, 1 - 0x1p-24);
+    show_colored(b, &mesh, "layers");
 }
 
 static scene_texture texture(uint32_t image, scene_filter filter) {

@@ -189,9 +189,9 @@ static void allocation_refused(void **state) {
 
 const hard_limit hard_limits[] = {
     {"nearest-k", nearest_k, "an evicted fragment is not lost"},
-    {"stencil-layers", stencil_layers, "a stencil that has overflowed is not read"},
-    {"pool-sizes", pool_sizes, "a pool has room for one record more than it has"},
-    {"picture-sizes", picture_sizes, "sizes are rounded to tiles"},
-    {"allocation-refused", allocation_refused, "a failed creation is not looked at"},
+    {"stencil-layers", stencil_layers, "more layers than a stencil counts are let pass"},
+    {"pool-sizes", pool_sizes, "a pool that is one record short is let pass"},
+    {"picture-sizes", picture_sizes, "a last tile that is not full is left out"},
+    {"allocation-refused", allocation_refused, "after one refusal all creations are refused"},
 };
 const size_t hard_limit_count = sizeof hard_limits / sizeof *hard_limits;

@@ -9,15 +9,17 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 const char *const hard_backends[2] = {"vulkan", "gl"};
 uint32_t hard_thorough;
+void (*hard_tell)(const hard_told *told);
 
 /* ---- rendering --------------------------------------------------------------------------------
  */
 
-static const scene_hard_case *find_case(const char *name) {
+const scene_hard_case *hard_case(const char *name) {
     const scene_hard_case *found;
     for (uint32_t i = 0; (found = scene_hard_cases(i)); i++)
         if (strcmp(found->name + strlen("hard:"), name) == 0)
@@ -27,7 +29,7 @@ static const scene_hard_case *find_case(const char *name) {
 }
 
 strata_scene *hard_scene(strata *instance, const char *name) {
-    return picture_scene(instance, find_case(name)->name);
+    return picture_scene(instance, hard_case(name)->name);
 }
 
 picture hard_render(strata *instance, strata_scene *sc, strata_render_options options) {
@@ -58,6 +60,28 @@ static const struct {
     {"peel", {NULL}, 0, 300},
 };
 
+static double seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void tell(const strata *instance, const char *what, size_t at, double took,
+                 const picture *p) {
+    const render_result *result = &instance->result;
+    if (hard_tell)
+        hard_tell(&(hard_told){.what = what,
+                               .backend = instance->backend,
+                               .use = ways[at].use,
+                               .setting = ways[at].settings[0] ? ways[at].settings[0] : "",
+                               .seconds = took,
+                               .fragments = result->report.total,
+                               .largest = result->report.largest,
+                               .hash = picture_hash(p),
+                               .bands = result->bands,
+                               .retries = result->retries});
+}
+
 void hard_ways(strata *instance, strata_scene *sc, const char *what, uint32_t depth, uint32_t width,
                uint32_t height, picture *reference) {
     for (size_t i = 0; i < BASE_COUNT(ways); i++)
@@ -65,6 +89,7 @@ void hard_ways(strata *instance, strata_scene *sc, const char *what, uint32_t de
             if ((ways[i].depth > 0 && depth > ways[i].depth) ||
                 (ways[i].quick > 0 && depth > ways[i].quick && !hard_thorough))
                 continue;
+            const double before = seconds();
             picture p =
                 hard_render(instance, sc,
                             (strata_render_options){.width = width,
@@ -74,6 +99,8 @@ void hard_ways(strata *instance, strata_scene *sc, const char *what, uint32_t de
                                                     .setting_count = ways[i].settings[0] != NULL,
                                                     .bands = banded ? 2 + (uint32_t)i % 3 : 1,
                                                     .shuffle = banded ? 11 + (uint32_t)i : 0});
+            if (!banded)
+                tell(instance, what, i, seconds() - before, &p);
             if (!reference->pixels) {
                 *reference = p;
                 continue;
@@ -305,7 +332,7 @@ static void check_scene(strata *instance, size_t backend, const hard_row *row,
 }
 
 void hard_check(const hard_row *row) {
-    const scene_hard_case *k = find_case(row->name);
+    const scene_hard_case *k = hard_case(row->name);
     picture reference = {0};
     size_t opened = 0;
     for (size_t b = 0; b < BASE_COUNT(hard_backends); b++) {

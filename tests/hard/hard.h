@@ -66,9 +66,24 @@ void hard_check(const hard_row *row);
 void hard_ways(strata *instance, strata_scene *sc, const char *what, uint32_t depth, uint32_t width,
                uint32_t height, picture *reference);
 
+/* What a program tells of each way that was rendered whole; NULL: nothing. */
+typedef struct hard_told {
+    const char *what, *backend, *use, *setting;
+    double seconds;
+    uint64_t fragments, largest, hash;
+    uint32_t bands, retries;
+} hard_told;
+extern void (*hard_tell)(const hard_told *told);
+
+const scene_hard_case *hard_case(const char *name); /* fails where there is none */
+
 /* By abuffer and ppc, with these options; free with picture_free. */
 picture hard_render(strata *instance, strata_scene *sc, strata_render_options options);
 strata_scene *hard_scene(strata *instance, const char *name); /* "layers-1" */
+
+/* ---- quads.c: the picture is the fold of the scene's quads -------------------------------------
+ */
+void hard_quads(strata *instance, strata_scene *sc, const hard_row *row);
 
 /* ---- edit.c: the same triangles in the same order ----------------------------------------------
  */
