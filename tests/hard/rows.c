@@ -161,7 +161,7 @@ const hard_row hard_rows[] = {
     {"alpha-next-to-1", FLAT | HARD_RAY, EACH(3, 16), .also = hard_quads,
      .kills = "what is nearly opaque is opaque"},
     {"alpha-512th", FLAT, EACH(200, 16), .also = hard_quads,
-     .kills = "unorm8: a quarter of a quantum"},
+     .kills = "unorm8: a quantum of what was stored, not of 1"},
     {"alpha-millionth", DEEP | HARD_LARGE, .depth = 10000, .fragments = 10000, .also = hard_quads,
      .kills = "faint fragments cover nothing"},
     {"alpha-denormal", FLAT | HARD_RAY, EACH(8, 16), .also = hard_quads,

@@ -6,7 +6,7 @@
 #     sh tests/mutants/run.sh BUILD [PATTERN]    mutants whose line matches PATTERN, all by default
 #
 # A line is FILE|SED EXPRESSION|TEST PROGRAM|WHAT IT IS; '#' begins a comment, and '.' stands for a
-# bar in the expression. What the file goes into is built again in a copy of the tree; of BUILD only
+# bar in the expression. The program may have arguments, such as the test that is to run. What the file goes into is built again in a copy of the tree; of BUILD only
 # the compilers' settings are used. It ends with 'N killed, N survived'; the status is 0 when none
 # survived. It is not part of tests/run.sh: it takes minutes.
 set -eu
@@ -41,10 +41,10 @@ for list in "$source"/tests/mutants/*.txt; do
             verdict="survived - $name (not an expression of sed)"
         elif cmp -s "$source/$file" "$tree/$file"; then
             verdict="survived - $name (the expression changes nothing)"
-        elif ! ninja -C "$work/build" plugins/all "$test" >"$work/log" 2>&1; then
+        elif ! ninja -C "$work/build" plugins/all "${test%% *}" >"$work/log" 2>&1; then
             verdict="survived - $name (it does not build)"
         elif STRATA_MODULE_PATH=$work/build/lib/strata STRATA_TEST_SOURCE=$tree \
-            STRATA_TEST_BUILD=$work/build timeout 300 "$work/build/tests/$test" \
+            STRATA_TEST_BUILD=$work/build timeout 300 sh -c "\"\$0\"/$test" "$work/build/tests" \
             >"$work/log" 2>&1 </dev/null; then
             verdict="survived - $name"
         else
