@@ -123,7 +123,7 @@ typedef struct strata_render_options {
      * they learned, whatever the camera does); the key light of scenes without lights; the bounds
      * that an orbit frames and `angle` turns about. Without a frame to follow it begins a sequence. */
     uint32_t continues;
-    /* 1: what the techniques of the last frame cost is added to what is known of this device, in the
+    /* 1: what the techniques of these frames cost is added to what is known of this device, in the
      * cache; later plans go by it, also those of other instances. Frames that prepared, were recorded
      * again or certified are not typical and teach nothing. */
     uint32_t learn;
@@ -160,8 +160,8 @@ STRATA_EXPORT strata_result strata_list(strata *s, strata_write_fn write, void *
 
 /* Every way to render this scene: the installed techniques with the knobs that trade accuracy (all
  * not 0: with the others too) at values that matter for the scene, in all combinations that the slots
- * allow and the plan accepts on this device. options: as for strata_render, without use, settings and
- * tolerance. */
+ * allow and the plan accepts on this device. options: as for strata_render, without use, settings,
+ * tolerance and budget. */
 STRATA_EXPORT strata_result strata_configurations(strata *s, strata_scene *scene,
                                                   const strata_render_options *options, uint32_t all,
                                                   strata_write_fn write, void *user);

@@ -31,7 +31,7 @@ static const struct argp_option options[] = {
     {"background", KEY_BACKGROUND, "R,G,B", 0, "Linear; 0.2,0.2,0.2", 2},
     {"repeat", KEY_REPEAT, "N", 0, "Render N frames and account for all; the last is kept", 2},
     {"learn", KEY_LEARN, NULL, 0,
-     "Add what the techniques of the last frame cost to what is known of this device; later plans "
+     "Add what techniques cost in these frames to what is known of this device; later plans "
      "go "
      "by it. Wants --repeat: frames that prepare teach nothing",
      2},

@@ -34,7 +34,11 @@ static const struct argp_option options[] = {
 static void check(struct argp_state *state, const sweep_options *o) {
     const strata_render_options *r = &o->common.render;
     const int set = r->setting_count || r->bands || r->shuffle || r->turn != 0;
-    const char *wrong = r->use ? "--use" : r->tolerance > 0 ? "--tolerance" : set ? "--set" : NULL;
+    const char *wrong = r->use             ? "--use"
+                        : r->tolerance > 0 ? "--tolerance"
+                        : r->budget > 0    ? "--budget"
+                        : set              ? "--set"
+                                           : NULL;
     if (o->common.open.backend && strcmp(o->common.open.backend, "null") == 0)
         argp_error(state, "--backend null draws nothing that could be measured");
     else if (wrong)

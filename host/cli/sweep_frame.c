@@ -234,6 +234,7 @@ int sweep_time(sweep *w, size_t at_case, size_t at, const sweep_place *place, ui
     const double before = cpu_ms();
     options.repeat = frames;
     options.turn = 1;
+    options.learn = 1;
     if (r == STRATA_OK || r == STRATA_PARTIAL)
         r = strata_render(w->s, w->scene, &options);
     const double cpu = (cpu_ms() - before) / frames;

@@ -89,6 +89,14 @@ int costs_of_module(const modules_technique_note *note, double coefficients[COST
     return 1;
 }
 
+int costs_is_unit(const modules_technique_note *note) {
+    double coefficients[COSTS_TERMS];
+    int is = costs_of_module(note, coefficients) && coefficients[COSTS_FRAGMENT] == 1.0;
+    for (int i = 0; i < COSTS_TERMS; i++)
+        is = is && (i == COSTS_FRAGMENT || coefficients[i] == 0.0);
+    return is && note->promises && note->promises->order == STRATA_ORDER_APPROXIMATE;
+}
+
 static costs_technique *find(const costs *c, const char *id) {
     for (uint32_t i = 0; c && i < c->count; i++)
         if (strcmp(c->techniques[i].id, id) == 0)
@@ -302,8 +310,7 @@ static int ascending(const void *a, const void *b) {
     return left < right ? -1 : left > right;
 }
 
-/* What the modules call one blended fragment: the median over techniques of the time that makes
- * their coefficients fit. */
+/* In ms. */
 static double unit_of(const costs *c, const modules_note *const *notes, uint32_t count) {
     double scales[COSTS_MOST_TECHNIQUES], coefficients[COSTS_TERMS];
     uint32_t known = 0;
@@ -312,6 +319,8 @@ static double unit_of(const costs *c, const modules_note *const *notes, uint32_t
         if (!note || !costs_of_module(note, coefficients) || c->techniques[i].count == 0)
             continue;
         const double scale = scale_of(&c->techniques[i], coefficients);
+        if (scale > 0.0 && costs_is_unit(note))
+            return scale;
         if (scale > 0.0)
             scales[known++] = scale;
     }

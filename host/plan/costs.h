@@ -64,6 +64,10 @@ void costs_terms(const modules_technique_note *note, const strata_scene_stats *s
 /* The module's own; 0: it has none. */
 int costs_of_module(const modules_technique_note *note, double coefficients[COSTS_TERMS]);
 
+/* Whether it is the unit itself: one for each fragment, and nothing else. Such a one is a measure,
+ * not a way to make pictures. */
+int costs_is_unit(const modules_technique_note *note);
+
 /* Those to plan with: measured where there are any (c may be NULL). Returns the number of points
  * that they rest on, 0 for the module's, -1 when there are none at all. */
 int costs_of(const costs *c, const modules_technique_note *note, double coefficients[COSTS_TERMS]);
@@ -83,9 +87,10 @@ int costs_count_knob(const modules_technique_note *note);
 /* Takes a measurement; equal terms share a point. 0: it is no measurement, or there is no room. */
 int costs_add(costs *c, const char *technique, const double terms[COSTS_TERMS], double ms);
 
-/* Fits all techniques of which there are notes, and the unit. Coefficients are not negative; the
- * sum of squared relative residuals is least, and where few points leave them open they stay near
- * the module's, scaled alike. */
+/* Fits all techniques of which there are notes, and the unit: that of the technique which is the
+ * unit, else of the scale that the modules' coefficients have in the median. Coefficients are not
+ * negative; the sum of squared relative residuals is least, and where few points leave them open
+ * they stay near the module's, scaled alike. */
 void costs_fit(costs *c, const modules_note *const *notes, uint32_t count);
 
 void costs_free(costs *c);                    /* what it holds */

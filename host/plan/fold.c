@@ -263,8 +263,9 @@ static void consider_within(search *s, way candidate, double room, way *best, wa
 static void consider_approximate(search *s, plan_candidate *c, way *cheapest) {
     way candidate = {.fold = c, .cost = c->cost == PLAN_NO_COST ? HUGE_VAL : c->cost};
     if (c->role == PLAN_STREAM && !c->blocked && c->note->promises &&
-        order_of(c) == STRATA_ORDER_APPROXIMATE && is_open(s, &candidate) &&
-        !check_frame(s->w, c) && (!cheapest->fold || candidate.cost < cheapest->cost))
+        order_of(c) == STRATA_ORDER_APPROXIMATE && !costs_is_unit(c->note) &&
+        is_open(s, &candidate) && !check_frame(s->w, c) &&
+        (!cheapest->fold || candidate.cost < cheapest->cost))
         *cheapest = candidate;
 }
 

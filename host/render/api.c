@@ -351,9 +351,10 @@ strata_result strata_configurations(strata *s, strata_scene *sc, const strata_re
     strata_result r = render_own(s, sc, &s->error);
     if (r == STRATA_OK)
         r = render_options(given, &options, &s->error);
-    if (r == STRATA_OK && (options.use || options.setting_count || options.tolerance > 0))
+    if (r == STRATA_OK &&
+        (options.use || options.setting_count || options.tolerance > 0 || options.budget > 0))
         r = base_fail(&s->error, STRATA_ERROR_INVALID_ARGUMENT,
-                      "configurations: use, settings and tolerance are what it looks for");
+                      "configurations: use, settings, tolerance and budget are what it looks for");
     if (r == STRATA_OK)
         r = render_device(s, &s->error);
     if (r == STRATA_OK)

@@ -25,8 +25,7 @@ void render_budget_begin(strata *s, double asked) {
 }
 
 static void forget(render_budget *b) {
-    b->ms = 0;
-    b->judged = 0;
+    b->judged = 0; /* ms stays until there is another */
     b->stuck = 0;
 }
 
@@ -104,7 +103,8 @@ static strata_result judge_turned(strata *s, double ms, base_error *err) {
 }
 
 strata_result render_budget_learn(strata *s, const strata_render_options *options,
-                                  const render_figures *figures, base_error *err) {
+                                  base_error *err) {
+    const render_figures *figures = &s->result.frames[s->result.frame_count - 1];
     render_budget *b = &s->budget;
     const render_budget_frame frame = {.ms = figures->ms,
                                        .level = plan_turned(s->session->plan),
@@ -130,7 +130,7 @@ strata_result render_budget_learn(strata *s, const strata_render_options *option
 void render_budget_warn(strata *s, const strata_render_options *options) {
     const render_budget *b = &s->budget;
     const int more = options->repeat == 1 && !b->stuck && !(b->late && !s->session->plan->turned);
-    if (b->asked > 0 && b->judged > 0 && b->ms > BUDGET_MET * b->asked && !more)
+    if (b->asked > 0 && b->ms > BUDGET_MET * b->asked && !more)
         render_warn(s, "the budget of %.3g ms is missed", b->asked);
 }
 
@@ -146,8 +146,8 @@ json_t *render_budget_json(const strata *s) {
                               b->frames[i].level > 0 ? json_real(b->frames[i].level) : json_null(),
                               "judged", (int)b->frames[i].judged));
     return json_pack("{s:f, s:o, s:o, s:o, s:o, s:o}", "asked_ms", b->asked, "ms",
-                     b->judged ? json_real(b->ms) : json_null(), "met",
-                     b->judged ? json_boolean(b->ms <= BUDGET_MET * b->asked) : json_null(),
+                     b->ms > 0 ? json_real(b->ms) : json_null(), "met",
+                     b->ms > 0 ? json_boolean(b->ms <= BUDGET_MET * b->asked) : json_null(),
                      "technique", p->turned ? json_string(p->turned->id) : json_null(), "knob",
                      p->turned ? json_string(p->turned->knobs[p->turned_knob]->name) : json_null(),
                      "frames", frames);

@@ -78,10 +78,8 @@ int render_learn_frame(const strata *s, costs *c) {
     return learnt;
 }
 
-void render_learn(strata *s) {
+void render_learn_keep(strata *s) {
     base_error err = {0};
-    if (!render_learn_frame(s, &s->costs))
-        return;
     strata_result r = render_costs_fit(s, &s->costs, &err);
     if (r == STRATA_OK && s->cache_dir)
         r = costs_save(s->cache_dir, &s->costs, &err);

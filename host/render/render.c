@@ -222,8 +222,10 @@ static strata_result render_frames(strata *s, const strata_render_options *optio
             r = render_frame(s->session, &result->view, options, failed, err);
         if (r != STRATA_OK)
             return r;
-        result->frames[result->frame_count] = figures_of(s, &before, base_now_ms() - begin);
-        r = render_budget_learn(s, options, &result->frames[result->frame_count++], err);
+        result->frames[result->frame_count++] = figures_of(s, &before, base_now_ms() - begin);
+        if (options->learn)
+            result->learnt |= (uint32_t)render_learn_frame(s, &s->costs);
+        r = render_budget_learn(s, options, err);
         if (r != STRATA_OK)
             return r;
         if (options->progress &&
@@ -414,8 +416,8 @@ strata_result strata_render(strata *s, strata_scene *sc, const strata_render_opt
     s->raise = 0;
     if (r == STRATA_OK || r == STRATA_PARTIAL)
         render_budget_warn(s, &options);
-    if (r == STRATA_OK && options.learn)
-        render_learn(s);
+    if (s->result.learnt)
+        render_learn_keep(s);
     s->result.valid = r == STRATA_OK || r == STRATA_PARTIAL;
     return s->result.valid ? r : base_fail(&s->error, err.result, "%s", err.text);
 }

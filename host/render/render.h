@@ -204,6 +204,7 @@ typedef struct render_result {
     uint32_t pass_count;
     uint32_t retries, bands, stalls, prepared;
     uint32_t losses; /* of the device */
+    uint32_t learnt; /* 1: some frame added to what is known of the device */
     render_report report;
     char **warnings;
     uint32_t warning_count;
@@ -225,7 +226,7 @@ typedef struct render_budget {
     costs costs;     /* what the device's are, and what the frames add to them */
     double beside;   /* ms of a frame that are not its passes' */
     double ns;       /* of a blended fragment, where passes are not timed; 0: unknown */
-    double ms;       /* mean of the frames since the plan or the knob changed */
+    double ms;       /* mean of the last frames that were judged, with one plan and knob */
     uint32_t judged; /* of them; what they say of `late` wants two */
     uint32_t late;   /* exact frames were judged, and take too long */
     uint32_t replan; /* 1: the next frame wants another plan */
@@ -359,19 +360,18 @@ void render_deep_free(render_deep *deep);
 void render_budget_begin(strata *s, double asked); /* forgets the sequence before */
 void render_budget_end(strata *s);
 void render_budget_planned(strata *s); /* the session has a plan of its own */
-/* Learns from a frame; what is to be turned is turned. */
-strata_result render_budget_learn(strata *s, const strata_render_options *options,
-                                  const render_figures *figures, base_error *err);
+/* Learns from the frame that just ended; what is to be turned is turned. */
+strata_result render_budget_learn(strata *s, const strata_render_options *options, base_error *err);
 void render_budget_warn(strata *s, const strata_render_options *options);
 json_t *render_budget_json(const strata *s); /* null when there is none */
 
 /* ---- learn.c --------------------------------------------------------------------------------- */
 /* What is known of the device that was just opened. */
 strata_result render_costs_load(strata *s, base_error *err);
-/* Adds the last frame to what is known of the device, if it is typical. */
-void render_learn(strata *s);
-/* The same, to c alone; 0: it is not, or passes are not timed. */
+/* Adds the frame that just ended; 0: it is not typical, or passes are not timed. */
 int render_learn_frame(const strata *s, costs *c);
+/* What the frames of this render added: fits and saves it. */
+void render_learn_keep(strata *s);
 strata_result render_costs_fit(strata *s, costs *c, base_error *err);
 
 /* ---- complexity.c ---------------------------------------------------------------------------- */

@@ -224,6 +224,11 @@ static const modules_technique_note techniques[] = {
      SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0)),
      PROMISE(APPROXIMATE, BOUNDED, 0),
      COST(1.1)},
+    {.id = "unit", /* what costs are measured in */
+     .stage = "stream",
+     SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0)),
+     PROMISE(APPROXIMATE, BOUNDED, 0),
+     COST(1)},
     {.id = "window", /* a knob k that is not the nearest k */
      .stage = "stream",
      SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0)),

@@ -176,6 +176,20 @@ static void what_was_measured_is_expected_there(void **state) {
     costs_free(&c);
 }
 
+/* Most say that a fragment takes 20 ns, and the one that is a fragment 35. */
+static void the_unit_says_what_it_is(void **state) {
+    (void)state;
+    const double x[COSTS_TERMS] = {[COSTS_FRAGMENT] = 35.0 / 20.0};
+    costs c = {0};
+    kit_make(&k, ALL " unit");
+    measure_others(&c);
+    measure(&c, "unit", x, 3, 0);
+    fit(&c);
+    assert_true(near(c.ns, 35, 1e-6));
+    assert_false(costs_is_unit(note("ppc"))); /* as dear, and exact */
+    costs_free(&c);
+}
+
 static void useless_points_stay_finite(void **state) {
     (void)state;
     double x[COSTS_TERMS], terms[COSTS_TERMS] = {0};
@@ -343,6 +357,7 @@ int main(void) {
         cmocka_unit_test(known_coefficients_are_recovered),
         cmocka_unit_test(one_point_scales),
         cmocka_unit_test(what_was_measured_is_expected_there),
+        cmocka_unit_test(the_unit_says_what_it_is),
         cmocka_unit_test(useless_points_stay_finite),
         cmocka_unit_test(equal_terms_share_a_point),
         cmocka_unit_test(the_plan_goes_by_what_was_measured),
