@@ -288,7 +288,7 @@ void generate_hard_storage(generate_builder *b) {
     for (uint32_t i = 0; i < layers + more; i++) {
         const double all[4] = {-1, -1, 1, 1};
         const double one[4] = {0x1p-10, 0x1p-10, 0x1.8p-9 + 0x1p-11, 0x1.8p-9};
-        generate_hard_quad(&mesh, i < layers ? all : one, -(i + 1) / 128.0);
+        generate_hard_quad(&mesh, i < layers ? all : one, -(i + 1.0) / 128);
     }
     generate_hard_show(&mesh, "layers", &material);
     generate_camera_flat(b, 1, 1, 1);

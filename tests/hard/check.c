@@ -57,7 +57,7 @@ static const struct {
     {"abuffer,ppc", {"abuffer.mode=linked"}, 0, 0},
     {"stencil,ppc", {NULL}, 254, 0},
     {"kplus,ppc", {"kplus.k=0"}, 0, 0},
-    {"peel", {NULL}, 0, 300},
+    {"peel", {NULL}, 2048, 300}, /* in so many steps */
 };
 
 static double seconds(void) {
