@@ -58,6 +58,10 @@ static void put_holds(FILE *out, const hard_row *row) {
     for (size_t i = 0; i < BASE_COUNT(names); i++)
         if (row->holds >> i & 1)
             fprintf(out, "%s, ", names[i]);
+    if (row->holds & HARD_REFUSED) {
+        fputs("the line names the mesh", out);
+        return;
+    }
     fputs(row->holds & HARD_LARGE ? "every way and backend (large)" : "every way and backend", out);
 }
 
@@ -119,7 +123,7 @@ static void put_head(FILE *out, const strata *instance) {
         instance->backend);
     for (size_t i = 0; i < BASE_COUNT(columns); i++)
         fprintf(out, "<th>error, %s", columns[i].title);
-    fputs("<th>the same bits: <th>mutation it finds</tr>\n", out);
+    fputs("<th>what holds<th>mutation it finds</tr>\n", out);
 }
 
 int main(int argc, char **argv) {
