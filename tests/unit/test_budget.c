@@ -83,6 +83,18 @@ static void comes_within_ten_frames(void **state) {
         }
 }
 
+/* At 100 it takes 100 ms, of 50: the line through the origin gives 49 (0.98 of the target is aimed
+ * at). There it takes 64.3, and the line through both, 0.7 ms a fragment, gives 27.1. */
+static void steps_follow_the_lines(void **state) {
+    (void)state;
+    budget_rule r = budget_begin(50, 1, 254, 100);
+    assert_int_equal(budget_measure(&r, affine(100)), 1);
+    assert_true(r.level == 49);
+    assert_int_equal(budget_measure(&r, affine(49)), 1);
+    assert_true(r.level == 27);
+    assert_int_equal(budget_measure(&r, affine(27)), 0); /* 48.9 */
+}
+
 static void ends_at_the_ends(void **state) {
     (void)state;
     budget_rule r = budget_begin(1, 1, 254, 100); /* nothing is fast enough */
@@ -135,7 +147,9 @@ static void follows_the_scene(void **state) {
 /* Noise within the band changes nothing: to prepare anew costs more than it brings. */
 static void small_changes_are_none(void **state) {
     (void)state;
-    budget_rule r = budget_begin(50, 1, 254, 25);
+    budget_rule r = budget_begin(50, 1, 254, 26);
+    assert_int_equal(budget_measure(&r, 52), 0);
+    r = budget_begin(50, 1, 254, 25);
     int changes = 0;
     for (unsigned frame = 0; frame < 200; frame++)
         changes += budget_measure(&r, linear(r.level) * (frame ? 1.0 + 0.1 * noise(frame) : 1.0));
@@ -144,9 +158,9 @@ static void small_changes_are_none(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(comes_within_ten_frames), cmocka_unit_test(ends_at_the_ends),
-        cmocka_unit_test(stays_before_a_cliff),    cmocka_unit_test(follows_the_scene),
-        cmocka_unit_test(small_changes_are_none),
+        cmocka_unit_test(comes_within_ten_frames), cmocka_unit_test(steps_follow_the_lines),
+        cmocka_unit_test(ends_at_the_ends),        cmocka_unit_test(stays_before_a_cliff),
+        cmocka_unit_test(follows_the_scene),       cmocka_unit_test(small_changes_are_none),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
