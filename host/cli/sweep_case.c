@@ -24,7 +24,7 @@ static int is_wanted(const sweep_options *o, const json_t *configuration) {
 static json_t *own_choice(void) {
     return json_pack("{s:s, s:[], s:s, s:i, s:i, s:s, s:b, s:b}", "use", "", "settings", "order",
                      "exact", "keeps", 0, "holds", 0, "payload", "float", "ends_early", 0, "bits",
-                     1);
+                     0);
 }
 
 static json_t *choose(const sweep_options *o, const sweep_place *place, const json_t *listed) {
@@ -74,6 +74,23 @@ static int same_configurations(const json_t *kept, const json_t *chosen) {
     return 1;
 }
 
+/* What the exact image is made with: the first capture and resolve whose bits are promised, ""
+ * where there are none. The plan's own choice may round differently, and changes with what is
+ * learnt. */
+static const char *exact_way(const json_t *listed) {
+    size_t i;
+    const json_t *one;
+    json_array_foreach(cli_array(listed, "configurations"), i, one) {
+        if (strchr(cli_get(one, "use"), ',') && json_is_true(json_object_get(one, "bits")) &&
+            strcmp(cli_get(one, "order"), "exact") == 0 && cli_number(one, "keeps") == 0 &&
+            cli_number(one, "holds") == 0 && strcmp(cli_get(one, "payload"), "float") == 0 &&
+            !json_is_true(json_object_get(one, "ends_early")) &&
+            json_array_size(json_object_get(one, "settings")) == 0)
+            return cli_get(one, "use");
+    }
+    return "";
+}
+
 static int prepare(sweep *w, size_t at, const sweep_place *place) {
     json_t *listed = NULL, *kept = case_at(w, at);
     int status = list_configurations(w, place, &listed);
@@ -82,10 +99,11 @@ static int prepare(sweep *w, size_t at, const sweep_place *place) {
     json_t *chosen = choose(w->options, place, listed);
     if (!kept)
         json_array_append_new(json_object_get(w->root, "cases"),
-                              json_pack("{s:s, s:[i,i], s:o, s:O, s:{}}", "scene", place->scene,
+                              json_pack("{s:s, s:[i,i], s:o, s:O, s:{s:s}}", "scene", place->scene,
                                         "size", (int)place->width, (int)place->height,
                                         "configurations", json_incref(chosen), "refused",
-                                        json_object_get(listed, "refused"), "reference"));
+                                        json_object_get(listed, "refused"), "reference", "use",
+                                        exact_way(listed)));
     else if (!same_configurations(json_object_get(kept, "configurations"), chosen))
         status = cli_fail(CLI_FAILED,
                           "%s/results.json: cannot go on with it: other modules are "
@@ -137,10 +155,11 @@ static void add_complexity(sweep *w, const strata_render_options *exact, json_t 
 static int render_reference(sweep *w, size_t at, const sweep_place *place, sweep_image *out) {
     json_t *one = case_at(w, at), *account = NULL;
     const char *settings[8];
-    char path[4096];
+    char path[4096], use[256];
+    snprintf(use, sizeof use, "%s", cli_get(json_object_get(one, "reference"), "use"));
     sweep_progress(w, "the exact image");
     strata_render_options options = sweep_render_options(w, place, one, settings);
-    options.use = NULL;
+    options.use = use[0] ? use : NULL;
     options.outputs = STRATA_OUTPUT_BOUND;
     const strata_result r = sweep_render(w, &options, out);
     if (r != STRATA_OK)
@@ -155,8 +174,8 @@ static int render_reference(sweep *w, size_t at, const sweep_place *place, sweep
     if (status == CLI_DONE) {
         json_object_set(one, "fragments", json_object_get(account, "fragments"));
         json_object_set_new(one, "reference",
-                            json_pack("{s:o, s:O}", "name", folded_by(account), "bound",
-                                      json_object_get(account, "bound")));
+                            json_pack("{s:s, s:o, s:O}", "use", use, "name", folded_by(account),
+                                      "bound", json_object_get(account, "bound")));
         add_complexity(w, &options, one);
     }
     json_decref(account);
