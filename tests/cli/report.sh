@@ -4,6 +4,8 @@
 # The report of a sweep in a real browser, 1280 and 400 pixels wide. Needs Chromium and node.
 # STRATA_TEST_PICTURES=PREFIX keeps screenshots.
 . "$(dirname "$0")/lib.sh"
+STRATA_CACHE_DIR=$folder/cache # sweeps learn what techniques cost
+export STRATA_CACHE_DIR
 
 chromium=
 for name in chromium chromium-browser google-chrome; do

@@ -4,6 +4,8 @@
 # strata sweep: results.json has the guide's shape and holds what the sweep promises, a sweep that was
 # killed goes on where it was, and files that are no such sweep are refused with one line.
 . "$(dirname "$0")/lib.sh"
+STRATA_CACHE_DIR=$folder/cache # sweeps learn what techniques cost
+export STRATA_CACHE_DIR
 
 if ! have_device; then
     echo "skip - sweep: no device that draws"

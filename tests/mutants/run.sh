@@ -44,9 +44,11 @@ for list in "$source"/tests/mutants/*.txt; do
         elif ! ninja -C "$work/build" plugins/all "${test%% *}" >"$work/log" 2>&1; then
             verdict="survived - $name (it does not build)"
         elif STRATA_MODULE_PATH=$work/build/lib/strata STRATA_TEST_SOURCE=$tree \
-            STRATA_TEST_BUILD=$work/build timeout 300 sh -c "\"\$0\"/$test" "$work/build/tests" \
-            >"$work/log" 2>&1 </dev/null; then
+            STRATA_TEST_BUILD=$work/build STRATA_CACHE_DIR=$work/cache \
+            timeout 300 sh -c "\"\$0\"/$test" "$work/build/tests" >"$work/log" 2>&1 </dev/null; then
             verdict="survived - $name"
+        elif [ $? -eq 124 ]; then
+            verdict="killed - $name (no end in 300 s)"
         else
             verdict="killed - $name"
         fi
