@@ -18,11 +18,24 @@ const timer = setTimeout(() => { console.log('not ok - browser: no answer in 90 
 const waiting = new Map(), listeners = [];
 let last = 0, failures = 0, pending = '';
 
+/* The browser's helpers write for a moment after it is gone: its folder is removed when it lets one. */
 function end(status) {
   clearTimeout(timer);
+  const remove = (tries) => {
+    try {
+      rmSync(profile, {recursive: true, force: true});
+      process.exit(status);
+    } catch (error) {
+      if (tries === 0) {
+        console.log(`not ok - browser: ${error.message}`);
+        process.exit(1);
+      }
+      setTimeout(remove, 200, tries - 1);
+    }
+  };
+  if (browser.exitCode !== null || browser.signalCode !== null || browser.pid === undefined) return remove(50);
+  browser.on('exit', () => remove(50));
   browser.kill('SIGKILL');
-  rmSync(profile, {recursive: true, force: true, maxRetries: 5});
-  process.exit(status);
 }
 
 browser.on('error', (error) => { console.log(`not ok - browser: ${error.message}`); end(1); });
