@@ -218,8 +218,35 @@ static void keep_times(json_t *c, const json_t *account, double cpu) {
     json_object_set_new(c, "state", json_string("measured"));
 }
 
-/* First through the angles to come, so that what a technique learns is learned before; then a
- * degree a frame, so that nothing is cached by accident. */
+/* Of the last frame, as long as the device worked at it: the first one compiles, too. */
+static double last_ms(const json_t *account) {
+    const json_t *frames = cli_array(account, "frames");
+    const json_t *last = json_array_get(frames, json_array_size(frames) - 1);
+    const char *key = json_is_number(json_object_get(last, "gpu_ms")) ? "gpu_ms" : "ms";
+    return cli_number(last, key);
+}
+
+/* Through the angles to come, so that what a technique learns is learned before; one frame of those
+ * that take long. */
+static strata_result warm_up(sweep *w, strata_render_options options, uint32_t frames, int *slow,
+                             int *status) {
+    const double from = options.angle;
+    strata_result r = STRATA_OK;
+    for (uint32_t i = 0; i < SWEEP_WARMUP && r == STRATA_OK && !*slow; i++) {
+        json_t *account = NULL;
+        options.angle = from + (double)(i * frames) / SWEEP_WARMUP;
+        r = strata_render(w->s, w->scene, &options);
+        if (r == STRATA_PARTIAL)
+            r = STRATA_OK;
+        if (r == STRATA_OK && (*status = sweep_account(w->s, &account)) != CLI_DONE)
+            return r;
+        *slow = r == STRATA_OK && last_ms(account) > SWEEP_SLOW;
+        json_decref(account);
+    }
+    return r;
+}
+
+/* Then a degree a frame, so that nothing is cached by accident. */
 int sweep_time(sweep *w, size_t at_case, size_t at, const sweep_place *place, uint32_t round) {
     json_t *c = configuration_at(w, at_case, at), *account = NULL;
     const char *settings[8];
@@ -227,20 +254,21 @@ int sweep_time(sweep *w, size_t at_case, size_t at, const sweep_place *place, ui
     const uint32_t left = w->options->frames - round * SWEEP_VISIT;
     const uint32_t frames = left < SWEEP_VISIT ? left : SWEEP_VISIT;
     strata_render_options options = sweep_render_options(w, place, c, settings);
+    int slow = 0, status = CLI_DONE;
     options.angle = round * SWEEP_VISIT;
-    options.repeat = SWEEP_WARMUP;
-    options.turn = (double)frames / SWEEP_WARMUP;
-    strata_result r = strata_render(w->s, w->scene, &options);
+    strata_result r = warm_up(w, options, frames, &slow, &status);
+    if (status != CLI_DONE)
+        return status;
     const double before = cpu_ms();
-    options.repeat = frames;
+    options.repeat = slow ? 1 : frames;
     options.turn = 1;
     options.learn = 1;
-    if (r == STRATA_OK || r == STRATA_PARTIAL)
+    if (r == STRATA_OK)
         r = strata_render(w->s, w->scene, &options);
-    const double cpu = (cpu_ms() - before) / frames;
+    const double cpu = (cpu_ms() - before) / options.repeat;
     if (r != STRATA_OK && r != STRATA_PARTIAL)
         return note_failure(w, place, c, r, strata_error(w->s));
-    int status = sweep_account(w->s, &account);
+    status = sweep_account(w->s, &account);
     if (status == CLI_DONE && (r = check_plan(account, c, reason)) != STRATA_OK)
         status = note_failure(w, place, c, r, reason);
     else if (status == CLI_DONE)

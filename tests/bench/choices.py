@@ -1,0 +1,141 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""What the plan chooses, beside what a sweep found: choices.py BUILD SWEEP [OUT.json]
+
+SWEEP is a folder that `strata sweep` completed on this machine, with the same cache. Of its first case
+it measures, interleaved, each in a process of its own with the camera turned by a degree a frame:
+
+* the plan without any option, beside the sweep's fastest exact configurations;
+* --tolerance 1/255, beside the sweep's cheapest configurations whose certificate is below it;
+* --budget, for several shares of the fastest exact time: whether it is met within 15 % after at most ten
+  frames, and what is certified beside the best that the sweep knows for so much time.
+
+Prints JSON; the ratios are what counts.
+"""
+import json
+import os
+import shlex
+import statistics
+import subprocess
+import sys
+import tempfile
+
+TOLERANCE = 0.00392
+ROUNDS, FRAMES, WARMUP = 3, 6, 2
+BEST = 3  # configurations beside the plan's: the sweep's own order rests on few frames
+BUDGET_FRAMES, SETTLED = 14, 10
+SHARES = (1.3, 0.9, 0.7, 0.5, 0.35, 0.25)
+WITHIN = 1.15
+
+
+class Strata:
+    def __init__(self, build, folder):
+        self.program = os.path.join(build, "bin", "strata")
+        self.folder = folder
+
+    def render(self, command, *more, turn=True):
+        """The account of a rendering; the command is the sweep's, without its output."""
+        account, picture = (os.path.join(self.folder, name) for name in ("account.json", "out.exr"))
+        line = [self.program] + command + list(more) + ["--account", account, "-o", picture]
+        if turn:
+            line += ["--set", "frame.turn=1"]
+        done = subprocess.run(line, capture_output=True, text=True)
+        if done.returncode not in (0, 3):
+            raise SystemExit(f"{shlex.join(line)}\n{done.stderr}")
+        with open(account) as file:
+            return json.load(file) | {"status": done.returncode}
+
+    def times(self, command):
+        frames = self.render(command, "--repeat", str(FRAMES + WARMUP))["frames"]
+        return [f["ms"] for f in frames[WARMUP:]]
+
+
+def command_of(configuration):
+    words = shlex.split(configuration["command"])
+    at = words.index("-o")
+    return words[1:at] + words[at + 2:]
+
+
+def chosen(account):
+    return " + ".join(t["technique"] + "".join(f" {k}={v}" for k, v in sorted(t["settings"].items()))
+                      for t in account["plan"])
+
+
+def race(strata, commands):
+    """Median milliseconds of each command, interleaved."""
+    times = {name: [] for name in commands}
+    for i in range(ROUNDS):
+        names = list(commands) if i % 2 == 0 else list(commands)[::-1]
+        for name in names:
+            times[name] += strata.times(commands[name])
+    return {name: statistics.median(values) for name, values in times.items()}
+
+
+def beside(strata, own, candidates):
+    commands = {"own": own} | {c["name"]: command_of(c) for c in candidates}
+    ms = race(strata, commands)
+    fastest = min((n for n in ms if n != "own"), key=ms.get)
+    return {"own_ms": ms["own"], "ms": {n: v for n, v in ms.items() if n != "own"}, "fastest": fastest,
+            "ratio": ms["own"] / ms[fastest]}
+
+
+def largest_bound(account):
+    bound = account["bound"]
+    return bound["max"] if bound and bound["max"] is not None else None
+
+
+def budgets(strata, own, exact_ms, certified):
+    results = []
+    least = min(c["ms"] for c in certified)
+    for share in SHARES:
+        asked = share * exact_ms
+        if asked < least:
+            break
+        account = strata.render(own + ["--budget", f"{asked:.4g}"], "--repeat", str(BUDGET_FRAMES))
+        frames = [f["ms"] for f in account["frames"]]
+        settled = statistics.median(frames[SETTLED:])
+        values = account["budget"]["frames"][-1]["value"]
+        best = min((c for c in certified if c["ms"] <= asked), key=lambda c: c["bound"]["max"])
+        used = ["--use", ",".join(t["technique"] for t in account["plan"] if t["stage"] != "draws")]
+        for t in account["plan"]:
+            for knob, value in t["settings"].items():
+                used += ["--set", f"{t['technique']}.{knob}={value}"]
+        bound = largest_bound(strata.render(own + used, "--bound", os.path.join(strata.folder, "b.exr"), turn=False))
+        results.append({"share": share, "asked_ms": asked, "frames_ms": frames, "settled_ms": settled,
+                        "of_budget": settled / asked, "met": settled <= WITHIN * asked, "value": values,
+                        "chosen": chosen(account), "certified": bound,
+                        "sweep_knows": {"name": best["name"], "ms": best["ms"], "certified": best["bound"]["max"]}})
+    return results
+
+
+def main():
+    if len(sys.argv) not in (3, 4):
+        sys.exit("usage: choices.py BUILD SWEEP [OUT.json]")
+    with open(os.path.join(sys.argv[2], "results.json")) as file:
+        results = json.load(file)
+    one = results["cases"][0]
+    measured = [c for c in one["configurations"] if c["state"] == "measured"]
+    own = command_of(next(c for c in measured if not c["use"]))
+    named = [c for c in measured if c["use"] and "floor" not in c["use"].split(",")]
+    exact = sorted((c for c in named if c["exact"]), key=lambda c: c["ms"])
+    certified = [c for c in named if c["bound"] and c["bound"]["max"] is not None]
+    within = sorted((c for c in certified if c["bound"]["max"] <= TOLERANCE), key=lambda c: c["ms"])
+    with tempfile.TemporaryDirectory() as folder:
+        strata = Strata(sys.argv[1], folder)
+        plan = beside(strata, own, exact[:BEST])
+        plan["chosen"] = chosen(strata.render(own))
+        tolerated = own + ["--tolerance", str(TOLERANCE)]
+        tolerance = beside(strata, tolerated, within[:BEST])
+        account = strata.render(tolerated, turn=False)
+        tolerance |= {"chosen": chosen(account), "status": account["status"], "certified": largest_bound(account)}
+        budget = budgets(strata, own, plan["ms"][plan["fastest"]], certified)
+    text = json.dumps({"scene": one["scene"], "size": one["size"], "device": results["device"], "plan": plan,
+                       "tolerance": tolerance, "budgets": budget}, indent=1)
+    print(text)
+    if len(sys.argv) == 4:
+        with open(sys.argv[3], "w") as file:
+            file.write(text + "\n")
+
+
+if __name__ == "__main__":
+    main()
