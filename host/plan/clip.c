@@ -76,6 +76,22 @@ static void weigh(const plan_work *w, plan_candidate *c, const plan_candidate *h
                 c->chosen ? ": that saves" : ", which saves", saves, price);
 }
 
+/* Why nothing may be hidden from a holder that does not keep the nearest k. */
+static const char *wants_all(const plan_candidate *holder) {
+    const int k = plan_knob(holder->note, "k");
+    if (!holder->note->promises)
+        return "promises no order";
+    switch (plan_promised_order(holder)) {
+    case STRATA_ORDER_APPROXIMATE:
+        return "blends all, in approximate order";
+    case STRATA_ORDER_NEAREST:
+        return k >= 0 && holder->values[k] == 0.0 ? "keeps all (its k is 0)"
+                                                  : "does not say by a knob k how many it keeps";
+    default:
+        return "keeps all";
+    }
+}
+
 strata_result plan_choose_clip(plan_work *w) {
     const plan_candidate *holder = find_holder(w);
     int taken = 0; /* limit/1 has one producer */
@@ -85,8 +101,8 @@ strata_result plan_choose_clip(plan_work *w) {
         if (c->role != PLAN_CLIP || c->blocked || !p || p->order != STRATA_ORDER_NEAREST)
             continue;
         if (w->out->nearest == 0) {
-            plan_reason(c, "it hides what lies behind the nearest k fragments, and %s keeps all%s",
-                        holder->note->id, plan_knob(holder->note, "k") < 0 ? "" : " (its k is 0)");
+            plan_reason(c, "it hides what lies behind the nearest k fragments, and %s %s",
+                        holder->note->id, wants_all(holder));
             if (c->named)
                 return base_fail(w->err, STRATA_ERROR_INVALID_ARGUMENT, "--use: %s cannot run: %s",
                                  c->note->id, c->reason);

@@ -49,21 +49,21 @@ static int moved(const plan_candidate *c, uint32_t type, const char *name) {
     return 0;
 }
 
-static uint32_t order_of(const plan_candidate *c) {
+uint32_t plan_promised_order(const plan_candidate *c) {
     const uint32_t order = c->note->promises->order;
     return order == STRATA_ORDER_EXACT && moved(c, STRATA_KNOB_INT, NULL) ? STRATA_ORDER_NEAREST
                                                                           : order;
 }
 
 static int is_exact(const plan_candidate *c) {
-    return c->note->promises && order_of(c) == STRATA_ORDER_EXACT;
+    return c->note->promises && plan_promised_order(c) == STRATA_ORDER_EXACT;
 }
 
 /* Whether it would have to hold more than it can; what keeps the nearest only never has to. */
 static int is_too_deep(const plan_work *w, const plan_candidate *c) {
     const strata_promises *p = c->note->promises;
     return p && p->largest_depth > 0 && w->in->stats->largest_depth > (double)p->largest_depth &&
-           order_of(c) == p->order;
+           plan_promised_order(c) == p->order;
 }
 
 static int is_bounded(const plan_candidate *c) {
@@ -104,11 +104,11 @@ static int check_accuracy(const plan_work *w, plan_candidate *c) {
         plan_reason(c, "it promises nothing about its accuracy; --use may name it");
         return 1;
     }
-    if (order_of(c) == STRATA_ORDER_APPROXIMATE) {
+    if (plan_promised_order(c) == STRATA_ORDER_APPROXIMATE) {
         plan_reason(c, "it is approximate, without a bound; --use may name it");
         return 1;
     }
-    if (order_of(c) == STRATA_ORDER_NEAREST && !(plan_tolerance(w->in) > 0.0)) {
+    if (plan_promised_order(c) == STRATA_ORDER_NEAREST && !(plan_tolerance(w->in) > 0.0)) {
         plan_reason(c, "it keeps the nearest fragments only, and %s",
                     w->in->tolerance > 0.0 ? "the tolerance was missed" : "no tolerance is given");
         return 1;
@@ -263,7 +263,7 @@ static void consider_within(search *s, way candidate, double room, way *best, wa
 static void consider_approximate(search *s, plan_candidate *c, way *cheapest) {
     way candidate = {.fold = c, .cost = c->cost == PLAN_NO_COST ? HUGE_VAL : c->cost};
     if (c->role == PLAN_STREAM && !c->blocked && c->note->promises &&
-        order_of(c) == STRATA_ORDER_APPROXIMATE && !costs_is_unit(c->note) &&
+        plan_promised_order(c) == STRATA_ORDER_APPROXIMATE && !costs_is_unit(c->note) &&
         is_open(s, &candidate) && !check_frame(s->w, c) &&
         (!cheapest->fold || candidate.cost < cheapest->cost))
         *cheapest = candidate;
@@ -299,7 +299,7 @@ static strata_result choose_within(search *s) {
         return STRATA_OK;
     return plan_warn(
         w,
-        order_of(s->best.fold) == STRATA_ORDER_APPROXIMATE
+        plan_promised_order(s->best.fold) == STRATA_ORDER_APPROXIMATE
             ? "%s has no bound of its error; nothing else is expected to come as "
               "close to the budget of %.3g ms"
             : "%s is the fastest way; it is not expected to meet the budget of %.3g ms",

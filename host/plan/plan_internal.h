@@ -129,6 +129,8 @@ strata_result plan_choose(plan_work *w);
 
 /* ---- fold.c */
 strata_result plan_choose_fold(plan_work *w);
+/* STRATA_ORDER_* that its promises are worth with what its knobs are set to; it must have some. */
+uint32_t plan_promised_order(const plan_candidate *c);
 
 /* ---- clip.c */
 strata_result plan_choose_clip(plan_work *w); /* after the fold, before other optional ones */
