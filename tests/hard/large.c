@@ -6,6 +6,7 @@
  *     hard_large [NAME] [--json FILE]    rows of this name, with * and ?; what each way took
  */
 #include "hard/hard.h"
+#include "named.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -66,9 +67,7 @@ int main(int argc, char **argv) {
         hard_tell = write_told;
         fputc('[', figures);
     }
-    if (name)
-        cmocka_set_test_filter(name);
-    const int failed = _cmocka_run_group_tests("large hard cases", tests, count, NULL, NULL);
+    const int failed = named_run("large hard cases", name, tests, count);
     if (figures) {
         fputs("\n]\n", figures);
         fclose(figures);

@@ -4,6 +4,7 @@
  * `test_hard NAME` runs those of this name, with * and ?.
  */
 #include "hard/hard.h"
+#include "named.h"
 
 #include <stdlib.h>
 
@@ -24,9 +25,7 @@ int main(int argc, char **argv) {
     for (size_t i = 0; i < hard_limit_count; i++)
         tests[count++] =
             (struct CMUnitTest){.name = hard_limits[i].name, .test_func = hard_limits[i].check};
-    if (argc > 1)
-        cmocka_set_test_filter(argv[1]);
-    const int failed = _cmocka_run_group_tests("hard cases", tests, count, NULL, NULL);
+    const int failed = named_run("hard cases", argc > 1 ? argv[1] : NULL, tests, count);
     picture_close();
     free(tests);
     return failed;

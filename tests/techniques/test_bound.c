@@ -5,6 +5,7 @@
  * precision. And they are not useless: the median of bound over error is printed, and limited where
  * it matters.
  */
+#include "named.h"
 #include "oracle/oracle.h"
 
 #include <math.h>
@@ -246,7 +247,5 @@ int main(int argc, char **argv) {
         ON(test_payloads, "gl"),       ON(test_bright, "vulkan"), ON(test_bright, "gl"),
         ON(test_depths, "vulkan"),     ON(test_depths, "gl"),
     };
-    if (argc > 1) /* those of this name, with * and ? */
-        cmocka_set_test_filter(argv[1]);
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return named_run("bound", argc > 1 ? argv[1] : NULL, tests, BASE_COUNT(tests));
 }

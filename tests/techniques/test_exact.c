@@ -18,6 +18,7 @@
 
 #include <cmocka.h>
 
+#include "named.h"
 #include "render/render.h"
 
 static const char *const backends[] = {"vulkan", "gl", "vulkan lacks:ordered_attachments",
@@ -265,9 +266,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(long_pixels_fold_in_order),
         cmocka_unit_test_prestate(threads_do_not_matter, self),
     };
-    if (argc > 1) /* those of this name, with * and ? */
-        cmocka_set_test_filter(argv[1]);
-    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    const int failed = named_run("exact", argc > 1 ? argv[1] : NULL, tests, BASE_COUNT(tests));
     picture_close();
     return failed;
 }

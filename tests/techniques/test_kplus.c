@@ -16,6 +16,7 @@
 
 #include <cmocka.h>
 
+#include "named.h"
 #include "render/render.h"
 
 static const char *const backends[] = {"vulkan", "gl"};
@@ -604,9 +605,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(what_a_device_lacks_is_refused),
         cmocka_unit_test(devices_with_less_keep_the_same),
     };
-    if (argc > 1) /* those of this name, with * and ? */
-        cmocka_set_test_filter(argv[1]);
-    const int failed = cmocka_run_group_tests_name("kplus", tests, NULL, NULL);
+    const int failed = named_run("kplus", argc > 1 ? argv[1] : NULL, tests, BASE_COUNT(tests));
     picture_close();
     return failed;
 }
