@@ -76,16 +76,27 @@ static void pattern_name(const pattern *p, uint32_t frame, char name[MAX_NAME]) 
         name[0] = '\0';
 }
 
-/* Whether two outputs of the frames would overwrite each other. */
-static int pattern_collide(const pattern *a, const pattern *b, uint32_t frames) {
-    char left[MAX_NAME], right[MAX_NAME];
-    for (uint32_t i = 0; i < frames; i++) {
-        pattern_name(a, i, left);
-        pattern_name(b, i, right);
-        if (strcmp(left, right) == 0)
+/* Whether one of the frames has this name. */
+static int pattern_has(const pattern *p, const char *name, uint32_t frames) {
+    char own[MAX_NAME];
+    const size_t length = strlen(name), before = strlen(p->before), after = strlen(p->after);
+    uint64_t frame = 0;
+    for (size_t i = before; p->numbers && i + after < length && frame < frames; i++)
+        frame = 10 * frame + (uint64_t)(name[i] - '0');
+    if (frame >= frames)
+        return 0;
+    pattern_name(p, (uint32_t)frame, own);
+    return strcmp(own, name) == 0;
+}
+
+/* Whether two outputs would overwrite each other, in one frame or one in another's; `name`: where.
+ */
+static int pattern_collide(const pattern *a, const pattern *b, uint32_t frames,
+                           char name[MAX_NAME]) {
+    for (uint32_t i = 0; i < (a->numbers ? frames : 1); i++) {
+        pattern_name(a, i, name);
+        if (pattern_has(b, name, frames))
             return 1;
-        if (!a->numbers && !b->numbers)
-            return 0;
     }
     return 0;
 }
@@ -122,6 +133,7 @@ static int outputs_parse(const cli_outputs *given, uint32_t frames, output out[O
 int cli_check_names(const cli_outputs *given, uint32_t frames, char line[CLI_LINE]) {
     output outputs[OUTPUTS];
     const output *bad;
+    char name[MAX_NAME];
     if (!outputs_parse(given, frames, outputs, &bad)) {
         snprintf(line, CLI_LINE,
                  "%s %.200s: a frame's number is one %%d or %%0Nd (N from 1 to 9) after the last "
@@ -132,9 +144,9 @@ int cli_check_names(const cli_outputs *given, uint32_t frames, char line[CLI_LIN
     for (int i = 0; i < OUTPUTS; i++)
         for (int k = i + 1; k < OUTPUTS; k++)
             if (outputs[i].path && outputs[k].path &&
-                pattern_collide(&outputs[i].name, &outputs[k].name, frames ? frames : 1)) {
-                snprintf(line, CLI_LINE, "%s and %s name the same file", outputs[i].option,
-                         outputs[k].option);
+                pattern_collide(&outputs[i].name, &outputs[k].name, frames ? frames : 1, name)) {
+                snprintf(line, CLI_LINE, "%s and %s name the same file, %.200s", outputs[i].option,
+                         outputs[k].option, name);
                 return 0;
             }
     return 1;

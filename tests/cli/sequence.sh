@@ -22,6 +22,18 @@ refuse 'deep with two numbers' 2 '--deep' render $scene -o x.exr --deep '%d%d.ex
 refuse 'the same numbered names' 2 'same file' render $scene -o 'f%d.exr' --deep 'f%01d.exr' --frames 2
 refuse 'one name is a number of the other' 2 'same file' \
     render $scene -o 'f%d.exr' --deep 'f3.exr' --frames 4
+while IFS='|' read -r color deep frames same; do
+    refuse "$color and $deep, $frames frames" 2 "-o and --deep name the same file, $same" \
+        render $scene -o "$color" --deep "$deep" --frames "$frames" --backend null
+done <<'END'
+a%d.exr|a1%d.exr|12|a10.exr
+a1%d.exr|a%d.exr|11|a10.exr
+a%d.exr|a%d0.exr|11|a10.exr
+a%d1.exr|a1%d.exr|2|a11.exr
+a0%d.exr|a%02d.exr|1|a00.exr
+a%02d.exr|a1%d.exr|11|a10.exr
+a%d.exr|a7.exr|8|a7.exr
+END
 for count in 0 -1 1.5 x '' 100001; do
     refuse "frames '$count'" 2 'whole number' render $scene -o x.png --frames "$count"
 done
@@ -53,6 +65,18 @@ verdict 'percent signs and zeros'
 run render $scene -o '%d.png' --size 8x8 --backend null
 [ "$status" -eq 0 ] && [ -s %d.png ]
 verdict 'one picture is named as it says'
+mkdir apart
+while IFS='|' read -r color deep frames; do
+    run render $scene -o "apart/$color" --deep "apart/$deep" --frames "$frames" --size 4x4 --backend null
+    [ "$status" -eq 0 ] && [ "$(find apart -name '*.exr' | wc -l)" -eq $((2 * frames)) ]
+    verdict "$color and $deep, $frames frames, are apart"
+    rm -f apart/*
+done <<'END'
+a%d.exr|a1%d.exr|10
+a%d.exr|a%d0.exr|10
+a%d.exr|a%02d.exr|10
+a%d.exr|b%d.exr|2
+END
 run render $scene -o last.png --frames 3 --size 8x8 --backend null
 [ "$status" -eq 0 ] && [ "$(find . -name 'last*')" = ./last.png ]
 verdict 'without a number: the last alone'
