@@ -6,8 +6,9 @@
 #     sh tests/mutants/run.sh BUILD [PATTERN]    mutants whose line matches PATTERN, all by default
 #
 # A line is FILE|SED EXPRESSION|TEST PROGRAM|WHAT IT IS; '#' begins a comment, and '.' stands for a
-# bar in the expression. The program may have arguments, such as the test that is to run. What the file goes into is built again in a copy of the tree; of BUILD only
-# the compilers' settings are used. It ends with 'N killed, N survived'; the status is 0 when none
+# bar in the expression. The program may have arguments, such as the test that is to run. What the
+# file goes into is built again in a copy of the tree; of BUILD only the compilers' settings are used.
+# It ends with 'N killed, N survived'; the status is 0 when none
 # survived. It is not part of tests/run.sh: it takes minutes.
 set -eu
 [ $# -ge 1 ] && [ -f "$1/CMakeCache.txt" ] || {
