@@ -34,9 +34,9 @@ function whole(value) { return isNumber(value) ? value.toLocaleString('en') : '\
 
 function bytes(value) {
   if (!isNumber(value)) return '\u2013';
-  const units = ['B', 'KiB', 'MiB', 'GiB'];
+  const units = ['B', 'kB', 'MB', 'GB'];
   let unit = 0;
-  for (; value >= 1024 && unit < 3; unit++) value /= 1024;
+  for (; value >= 1000 && unit < 3; unit++) value /= 1000;
   return `${Number(value.toPrecision(3))} ${units[unit]}`;
 }
 
