@@ -10,6 +10,11 @@
 #include <stdio.h>
 #include <string.h>
 
+/* What the same bits on every device and day are worth: a way that promises them is taken where it
+ * costs at most so many times as much as one that does not. Expectations are no closer than that.
+ */
+#define BITS_WORTH 1.1
+
 typedef plan_way way;
 
 typedef struct search {
@@ -209,6 +214,10 @@ static int is_open(const search *s, const way *candidate) {
            (!s->named[PLAN_STREAM] || s->named[PLAN_STREAM] == candidate->fold);
 }
 
+static double weighed(const way *candidate) {
+    return candidate->cost * (is_bounded(candidate->fold) ? BITS_WORTH : 1.0);
+}
+
 static void consider(search *s, way candidate) {
     if (!is_open(s, &candidate))
         return;
@@ -216,7 +225,7 @@ static void consider(search *s, way candidate) {
     note_way(candidate.capture, candidate.cost);
     note_way(candidate.fold, candidate.cost);
     s->ways++;
-    if (!s->best.fold || candidate.cost < s->best.cost)
+    if (!s->best.fold || weighed(&candidate) < weighed(&s->best))
         s->best = candidate;
 }
 
@@ -376,9 +385,12 @@ static void describe_others(const search *s) {
         else if (c->ways == 0)
             plan_reason(c, "nothing that can run here shares its layout of fragments/1");
         else
-            plan_reason(c, "costs %s against %s of %s%s%s", theirs, ours,
+            plan_reason(c, "costs %s against %s of %s%s%s%s", theirs, ours,
                         b->capture ? b->capture->note->id : "", b->capture ? " + " : "",
-                        b->fold->note->id);
+                        b->fold->note->id,
+                        c->compared != PLAN_NO_COST && c->compared < b->cost
+                            ? ", which promises the same bits everywhere"
+                            : "");
     }
 }
 

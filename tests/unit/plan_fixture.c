@@ -194,6 +194,8 @@ static const modules_technique_note techniques[] = {
      COST(5)},
     {.id = "ppc", .stage = "resolve", FOLDS(CONTIGUOUS), PROMISE(EXACT, BIT, 0), COST(1)},
     {.id = "fpc", .stage = "resolve", FOLDS(BOTH), PROMISE(EXACT, BOUNDED, 0), COST(4)},
+    {.id = "sums", .stage = "resolve", FOLDS(BOTH), PROMISE(EXACT, BOUNDED, 0), COST(0.7)},
+    {.id = "quicksums", .stage = "resolve", FOLDS(BOTH), PROMISE(EXACT, BOUNDED, 0), COST(0.6)},
     {.id = "walker", .stage = "resolve", FOLDS(LINKED), PROMISE(EXACT, BIT, 0), COST(2)},
     {.id = "peel",
      .stage = "stream",
