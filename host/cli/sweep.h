@@ -6,7 +6,8 @@
  *     sweep.c          the command: options, cases, resuming
  *     sweep_case.c     one scene at one size: reference, errors, rounds of frames
  *     sweep_frame.c    one configuration: its certificate and error, its times
- *     sweep_results.c  the JSON: begun, checked, saved
+ *     sweep_results.c  the JSON: begun, saved
+ *     sweep_load.c     the JSON: read again, and checked
  *     sweep_judge.c    multiples of the floor, the front, what must hold, in words
  *     report.c         report.html
  */
@@ -50,21 +51,24 @@ typedef struct sweep {
 
 double sweep_seconds(void);
 uint32_t sweep_rounds(const sweep_options *o);
-/* A line with the time left, on a terminal; NULL clears it. */
+/* A line with the time left, on a terminal. */
 void sweep_progress(const sweep *w, const char *what);
 /* For strata_render: stops when interrupted, draws nothing. */
 strata_result sweep_keep_going(void *user, double done);
 
 /* ---- sweep_results.c ------------------------------------------------------------------------- */
-json_t *sweep_begin(const sweep_options *o); /* without cases */
-/* What of a file can be continued with these options: the root; else status after a line. */
-int sweep_load(const sweep_options *o, json_t **root);
-int sweep_save(const sweep *w); /* whole or not at all. Status */
+#define SWEEP_JSON (JSON_INDENT(1) | JSON_REAL_PRECISION(9)) /* how it is written */
+json_t *sweep_begin(const sweep_options *o); /* without cases; NULL: out of memory */
+int sweep_save(const sweep *w);              /* whole or not at all. Status */
 /* DIR/pictures/CASE-CONFIGURATION[-KIND].png; kind "" is the picture itself; 0: too long. */
 int sweep_picture(const sweep_options *o, size_t at_case, size_t at, const char *kind,
                   char path[4096]);
 /* A new object of a configuration as the library lists it. */
 json_t *sweep_configuration(const sweep_options *o, const sweep_place *place, const json_t *listed);
+
+/* ---- sweep_load.c ---------------------------------------------------------------------------- */
+/* What of a file can be continued with these options: the root; else status after a line. */
+int sweep_load(const sweep_options *o, json_t **root);
 
 /* ---- sweep_case.c ---------------------------------------------------------------------------- */
 /* Renders what is missing of case `at`. Status. */

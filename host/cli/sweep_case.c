@@ -58,17 +58,28 @@ static int list_configurations(sweep *w, const sweep_place *place, json_t **list
     return status;
 }
 
+/* But for what was found of it. */
+static int same_configuration(const json_t *kept, json_t *chosen) {
+    static const char found[] = " state reason rounds cpu_ms ";
+    const char *key;
+    json_t *value;
+    json_object_foreach(chosen, key, value) {
+        char word[64];
+        snprintf(word, sizeof word, " %s ", key);
+        if (!strstr(found, word) && !json_equal(value, json_object_get(kept, key)))
+            return 0;
+    }
+    return 1;
+}
+
 /* Whether a sweep that is gone on with had the same ones: names and knobs of modules change. */
 static int same_configurations(const json_t *kept, const json_t *chosen) {
     size_t i;
-    const json_t *one;
+    json_t *one;
     if (json_array_size(kept) != json_array_size(chosen))
         return 0;
     json_array_foreach(chosen, i, one) {
-        const json_t *other = json_array_get(kept, i);
-        if (!json_equal(json_object_get(one, "command"), json_object_get(other, "command")) ||
-            !json_equal(json_object_get(one, "use"), json_object_get(other, "use")) ||
-            !json_equal(json_object_get(one, "settings"), json_object_get(other, "settings")))
+        if (!same_configuration(json_array_get(kept, i), one))
             return 0;
     }
     return 1;
@@ -104,11 +115,14 @@ static int prepare(sweep *w, size_t at, const sweep_place *place) {
                                         "configurations", json_incref(chosen), "refused",
                                         json_object_get(listed, "refused"), "reference", "use",
                                         exact_way(listed)));
-    else if (!same_configurations(json_object_get(kept, "configurations"), chosen))
+    else if (!same_configurations(json_object_get(kept, "configurations"), chosen) ||
+             strcmp(cli_get(json_object_get(kept, "reference"), "use"), exact_way(listed)) != 0)
         status = cli_fail(CLI_FAILED,
                           "%s/results.json: cannot go on with it: other modules are "
                           "installed now",
                           w->options->folder);
+    else
+        json_object_set(kept, "refused", json_object_get(listed, "refused"));
     json_decref(chosen);
     json_decref(listed);
     return status;

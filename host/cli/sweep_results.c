@@ -1,18 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * A sweep's results.json: begun from what was asked for, saved whole or not at all, and, before it
- * is gone on with, checked to be such a file and to answer the same question.
+ * A sweep's results.json: begun from what was asked for, and saved whole or not at all.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/sweep.h"
 
-#include <math.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <sys/utsname.h>
 #include <unistd.h>
-
-#define MAX_FILE ((off_t)256 << 20)
 
 /* ---- beginning ------------------------------------------------------------------------------- */
 
@@ -199,7 +194,7 @@ int sweep_picture(const sweep_options *o, size_t at_case, size_t at, const char 
 int sweep_save(const sweep *w) {
     char path[4096];
     cli_text text = {0};
-    char *data = json_dumps(w->root, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
+    char *data = json_dumps(w->root, SWEEP_JSON);
     if (!data)
         return cli_fail(CLI_FAILED, "results.json: out of memory");
     text.data = data;
@@ -208,108 +203,4 @@ int sweep_save(const sweep *w) {
     const int status = cli_text_save(&text, path);
     free(data);
     return status;
-}
-
-/* ---- checking what a file holds -------------------------------------------------------------- */
-
-static int is_text(const json_t *object, const char *key) {
-    return json_is_string(json_object_get(object, key));
-}
-
-static int are_all(const json_t *list, int (*is)(const json_t *)) {
-    size_t i;
-    const json_t *value;
-    if (!json_is_array(list))
-        return 0;
-    json_array_foreach(list, i, value) {
-        if (!is(value))
-            return 0;
-    }
-    return 1;
-}
-
-static int is_string(const json_t *value) {
-    return json_is_string(value);
-}
-
-static int is_time(const json_t *value) {
-    return json_is_number(value) && json_number_value(value) >= 0 &&
-           json_number_value(value) < 1e12;
-}
-
-static int is_round(const json_t *value) {
-    return json_array_size(value) > 0 && json_array_size(value) <= SWEEP_VISIT &&
-           are_all(value, is_time);
-}
-
-static int is_state(const char *state) {
-    return strcmp(state, "pending") == 0 || strcmp(state, "measured") == 0 ||
-           strcmp(state, "failed") == 0 || strcmp(state, "refused") == 0;
-}
-
-static int is_object_or_null(const json_t *object, const char *key) {
-    const json_t *value = json_object_get(object, key);
-    return !value || json_is_null(value) || json_is_object(value);
-}
-
-static int is_configuration(const json_t *c) {
-    const char *const texts[] = {"name", "use", "command", "state", "order", "payload"};
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
-        if (!is_text(c, texts[i]))
-            return 0;
-    return is_state(cli_get(c, "state")) && are_all(json_object_get(c, "settings"), is_string) &&
-           json_array_size(json_object_get(c, "settings")) <= 8 &&
-           are_all(json_object_get(c, "rounds"), is_round) &&
-           are_all(json_object_get(c, "cpu_ms"), is_time) && is_object_or_null(c, "error") &&
-           is_object_or_null(c, "bound") && is_object_or_null(c, "bytes");
-}
-
-static int is_case(const json_t *c) {
-    const json_t *size = json_object_get(c, "size");
-    return is_text(c, "scene") && json_array_size(size) == 2 && are_all(size, is_time) &&
-           are_all(json_object_get(c, "configurations"), is_configuration) &&
-           json_is_array(json_object_get(c, "refused")) && is_object_or_null(c, "fragments") &&
-           is_object_or_null(c, "complexity") && json_is_object(json_object_get(c, "reference"));
-}
-
-/* What is wrong with it, NULL: nothing. */
-static const char *wrong_with(const sweep_options *o, const json_t *root) {
-    if (strcmp(cli_get(root, "format"), SWEEP_FORMAT) != 0)
-        return "it is no sweep of this version";
-    json_t *asked = request(o);
-    const int same = json_equal(asked, json_object_get(root, "request"));
-    json_decref(asked);
-    if (!same)
-        return "it is of another scene, size, device or set of options";
-    json_t *here = machine();
-    const int at_home = json_equal(here, json_object_get(root, "machine"));
-    json_decref(here);
-    if (!at_home)
-        return "it was measured on another machine";
-    if (!are_all(json_object_get(root, "cases"), is_case) ||
-        json_array_size(json_object_get(root, "cases")) > o->place_count ||
-        !is_object_or_null(root, "device"))
-        return "it is damaged";
-    return NULL;
-}
-
-int sweep_load(const sweep_options *o, json_t **root) {
-    char path[4096];
-    struct stat info;
-    json_error_t error;
-    *root = NULL;
-    snprintf(path, sizeof path, "%s/results.json", o->folder);
-    if (stat(path, &info) != 0)
-        return cli_fail(CLI_FAILED, "%s: there is none to go on with", path);
-    if (!S_ISREG(info.st_mode) || info.st_size > MAX_FILE)
-        return cli_fail(CLI_FAILED, "%s: it is no file of results", path);
-    json_t *loaded = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
-    const char *wrong = loaded ? wrong_with(o, loaded) : error.text;
-    if (wrong) {
-        cli_fail(CLI_FAILED, "%s: cannot go on with it: %s", path, wrong);
-        json_decref(loaded);
-        return CLI_FAILED;
-    }
-    *root = loaded;
-    return CLI_DONE;
 }

@@ -134,9 +134,14 @@ verdict 'what was measured stays'
 [ "$(get two/results.json 'cases/0/configurations/#')" = "$count" ] &&
     [ "$(get two/results.json 'cases/#')" = 1 ]
 verdict 'nothing is there twice'
+rm -r two/pictures two/report.html
 run "$@" -o two --resume
-[ "$status" -eq 0 ]
+[ "$status" -eq 0 ] && [ -s two/report.html ] && [ -s two/pictures/0-0-exact.png ]
 verdict 'a sweep that is done is done again at once'
+run sweep scene:layers --size 8x8 --repeat 1 --only wboit --time 0.12345678901234 -o time
+run sweep scene:layers --size 8x8 --repeat 1 --only wboit --time 0.12345678901234 -o time --resume
+[ "$status" -eq 0 ]
+verdict 'so is one at a time of many digits'
 
 # ---- what cannot be gone on with
 refuse 'another size' 1 'another scene, size' sweep "$scene" --size 16x16 -o two --resume
@@ -158,7 +163,26 @@ without configurations|s/"configurations": \[/"configurations": 3, "x": [/
 with texts for times|s/^\( *\)"rounds": \[/\1"rounds": ["now"], "x": [/
 with negative times|s/^\( *\)"cpu_ms": \[/\1"cpu_ms": [-1], "x": [/
 with an unknown state|s/"state": "measured"/"state": "nice"/
+measured without times|s/"rounds": \[/"rounds": [], "x": [/;s/"cpu_ms": \[/"cpu_ms": [], "y": [/
+with more rounds than costs|s/"cpu_ms": \[/"cpu_ms": [1, /
+with texts for what is kept|s/"keeps": 4/"keeps": "4"/
+with other promises|s/"bits": true/"bits": false/
+of another payload|s/"payload": "half"/"payload": "float"/
+with errors that lack figures|s/"rmse": /"rmsd": /
+with texts for errors|s/"violations": 0/"violations": "0"/
+without FLIP|s/"flip": {/"flap": {/
+with texts for certificates|/"bound": {/,/}/s/"max": /"max": "x", "y": /
+with passes that are no list|s/"passes": \[/"passes": 3, "x": [/
+with passes of texts|s/"passes": \[/"passes": ["x", /
+with another exact way|/"reference": {/,/}/s/"use": "[^"]*"/"use": "wboit"/
+of cases twice|s/^ "cases": \[/ "cases": [{}, /
+with cases that are no list|s/^ "cases": \[/ "cases": 1, "x": [/
+not UTF-8|s/"kplus"/"\xff"/
 END
+for text in '{}' '[]' '"strata-sweep\/1"' '{"format":"strata-sweep/1"}' '{"format":"strata-sweep/1","format":1}'; do
+    echo "$text" >bad/results.json
+    refuse "results that are $text" 1 'cannot go on with it' "$@" -o bad --resume
+done
 mkdir -p odd
 mkfifo odd/results.json
 refuse 'a pipe for results' 1 'no file of results' "$@" -o odd --resume
