@@ -119,13 +119,13 @@ int cli_check_outputs(const cli_outputs *outputs, uint32_t frames);
 int cli_render_frames(strata *s, strata_scene *scene, const cli_options *common,
                       const cli_outputs *outputs, const cli_sequence *sequence);
 
-/* ---- progress and interruption (progress.c)
- * ------------------------------------------------------ */
+/* ---- progress and interruption (progress.c) -------------------------------------------------- */
 
 /* The first SIGINT, SIGTERM or SIGHUP asks to stop, the second ends the program. */
 void cli_catch_interrupt(void);
 int cli_interrupted(void);
 strata_result cli_progress(void *user, double done); /* for strata_render_options.progress */
-void cli_progress_end(void);                         /* clears the bar */
+void cli_progress_line(const char *text);            /* in place of the bar */
+void cli_progress_end(void);                         /* clears either */
 
 #endif

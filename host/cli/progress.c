@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Interruption and progress: SIGINT, SIGTERM and SIGHUP make the progress callback ask the library
- * to stop, which then ends with nothing half-written; a bar is drawn on stderr when that is a
- * terminal.
+ * to stop, which then ends with nothing half-written; a bar or a line is drawn on stderr when that
+ * is a terminal.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/cli.h"
@@ -11,7 +11,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#define BAR 40
+#define BAR  40
+#define LINE 99
 
 static volatile sig_atomic_t interrupted;
 static int drawn = -1; /* percent shown, -1 = no bar on the terminal */
@@ -35,13 +36,17 @@ int cli_interrupted(void) {
     return interrupted != 0;
 }
 
-strata_result cli_progress(void *user, double done) {
+static int is_terminal(void) {
     static int terminal = -1;
-    (void)user;
     if (terminal < 0)
         terminal = isatty(STDERR_FILENO);
+    return terminal;
+}
+
+strata_result cli_progress(void *user, double done) {
+    (void)user;
     int percent = done >= 1.0 ? 100 : done > 0.0 ? (int)(done * 100.0) : 0;
-    if (terminal && percent != drawn) {
+    if (is_terminal() && percent != drawn) {
         static const char full[] = "########################################";
         fprintf(stderr, "\r[%-*.*s] %3d %%", BAR, percent * BAR / 100, full, percent);
         fflush(stderr);
@@ -50,8 +55,16 @@ strata_result cli_progress(void *user, double done) {
     return interrupted ? STRATA_ERROR_CANCELLED : STRATA_OK;
 }
 
+void cli_progress_line(const char *text) {
+    if (!is_terminal())
+        return;
+    fprintf(stderr, "\r%-*.*s", LINE, LINE, text);
+    fflush(stderr);
+    drawn = 0;
+}
+
 void cli_progress_end(void) {
     if (drawn >= 0)
-        fprintf(stderr, "\r%*s\r", BAR + 9, "");
+        fprintf(stderr, "\r%*s\r", LINE, "");
     drawn = -1;
 }

@@ -133,24 +133,16 @@ strata_result sweep_keep_going(void *user, double done) {
 }
 
 void sweep_progress(const sweep *w, const char *what) {
-    static int terminal = -1;
-    char left[40] = "";
-    if (terminal < 0)
-        terminal = isatty(STDERR_FILENO);
-    if (!terminal)
-        return;
-    if (!what) {
-        fprintf(stderr, "\r%99s\r", "");
-        return;
-    }
+    char left[40] = "", line[128];
     const double spent = sweep_seconds() - w->began;
     if (w->done > 0 && spent > 5) {
         const double seconds = spent / w->done * (w->total - w->done);
         snprintf(left, sizeof left, seconds < 90 ? ", %.0f s left" : ", %.0f min left",
                  seconds < 90 ? seconds : seconds / 60);
     }
-    fprintf(stderr, "\r%3.0f %%%-18s %-74.74s", w->total > 0 ? 100 * w->done / w->total : 0, left,
-            what);
+    snprintf(line, sizeof line, "%3.0f %%%-18s %.74s", w->total > 0 ? 100 * w->done / w->total : 0,
+             left, what);
+    cli_progress_line(line);
 }
 
 /* ---- the command ----------------------------------------------------------------------------- */
@@ -163,20 +155,58 @@ static int make_folder(const char *path) {
     return cli_fail(CLI_FAILED, "%s: cannot make the folder: %s", path, strerror(errno));
 }
 
+/* One that cannot be measured is found before hours went into the others. */
+static int check_places(sweep *w) {
+    const sweep_options *o = w->options;
+    int status = CLI_DONE;
+    for (size_t i = 0; i < o->place_count && status == CLI_DONE; i++)
+        if (i == 0 || strcmp(o->places[i].scene, o->places[0].scene) != 0)
+            status = sweep_reopen(w, &o->places[i]);
+    return status;
+}
+
+static int is_utf8(const char *text) {
+    json_t *value = json_string(text);
+    json_decref(value);
+    return value != NULL;
+}
+
+/* JSON is UTF-8. NULL: all that comes into the results is. */
+static const char *find_bad_text(const sweep_options *o) {
+    const strata_render_options *r = &o->common.render;
+    const char *const texts[] = {r->camera, r->effects, r->filter, o->common.open.device};
+    const char *bad = NULL;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts && !bad; i++)
+        bad = texts[i] && !is_utf8(texts[i]) ? texts[i] : NULL;
+    for (size_t i = 0; i < o->place_count && !bad; i++)
+        bad = is_utf8(o->places[i].scene) ? NULL : o->places[i].scene;
+    for (size_t i = 0; i < o->only_count && !bad; i++)
+        bad = is_utf8(o->only[i]) ? NULL : o->only[i];
+    return bad;
+}
+
 static int begin(sweep *w) {
     const sweep_options *o = w->options;
     char path[4096];
+    const char *bad = find_bad_text(o);
+    int status = CLI_DONE;
     if (snprintf(path, sizeof path, "%s/results.json", o->folder) >= (int)sizeof path - 64)
         return cli_fail(CLI_FAILED, "%.64s...: the path is too long", o->folder);
+    if (bad)
+        return cli_fail(CLI_FAILED, "%s: it is not UTF-8, which results.json is", bad);
     if (o->resume)
-        return sweep_load(o, &w->root);
-    if (access(path, F_OK) == 0)
-        return cli_fail(CLI_FAILED, "%s: there is one already; --resume goes on with it", path);
-    int status = make_folder(o->folder);
+        status = sweep_load(o, &w->root);
+    else if (access(path, F_OK) == 0)
+        status = cli_fail(CLI_FAILED, "%s: there is one already; --resume goes on with it", path);
+    if (status == CLI_DONE)
+        status = check_places(w);
+    if (status == CLI_DONE && !o->resume)
+        status = make_folder(o->folder);
     snprintf(path, sizeof path, "%s/pictures", o->folder);
     if (status == CLI_DONE)
         status = make_folder(path);
-    w->root = status == CLI_DONE ? sweep_begin(o) : NULL;
+    if (status == CLI_DONE && !w->root && !(w->root = sweep_begin(o)))
+        status = cli_fail(CLI_FAILED, "out of memory");
     return status;
 }
 
@@ -212,7 +242,7 @@ static int run(sweep *w) {
     w->began = sweep_seconds();
     for (size_t i = 0; i < o->place_count && status == CLI_DONE; i++)
         status = sweep_case(w, i);
-    sweep_progress(w, NULL);
+    cli_progress_end();
     if (status == CLI_DONE) {
         json_object_set_new(w->root, "complete", json_true());
         sweep_judge(w->root);
@@ -241,6 +271,8 @@ int cli_sweep(int argc, char **argv) {
         make_places(&o);
         status = run(&w);
     }
+    strata_scene_close(w.scene);
+    strata_close(w.s);
     json_decref(w.root);
     free(o.only);
     cli_options_free(&o.common);
