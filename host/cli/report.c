@@ -10,6 +10,8 @@
 
 #include "report_assets.h"
 
+extern const char report_library_text[]; /* of the program that this becomes part of; "": none */
+
 #define PICTURE_BUDGET ((size_t)12 << 20) /* bytes of PNG in one report */
 #define MAX_PICTURE    (8 << 20)
 

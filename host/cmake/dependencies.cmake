@@ -35,7 +35,7 @@ target_link_libraries(strata_glslang INTERFACE
   -Wl,--start-group ${glslang_archives} -Wl,--end-group Threads::Threads stdc++ m)
 
 # Chart.js 3 (libjs-chart.js) draws the plots of sweeps' reports, and becomes part of them; it is
-# built in. Without it reports have tables alone.
+# built in. Without it, or with -DSTRATA_CHART_JS=, reports have tables alone and say so.
 find_file(STRATA_CHART_JS NAMES chart.min.js Chart.min.js
   PATHS /usr/share/javascript/chart.js /usr/share/nodejs/chart.js/dist NO_DEFAULT_PATH)
 if(NOT STRATA_CHART_JS)

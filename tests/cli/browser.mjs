@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// A page in a real browser: node browser.mjs CHROMIUM PAGE [PICTURE-PREFIX]. Opens it 1280 and 400
-// pixels wide, uses what can be used, and prints "ok - NAME" or "not ok - NAME: WHY" for each thing
+// A page in a real browser: node browser.mjs CHROMIUM PAGE plots|bare [PICTURE-PREFIX]. Opens it 1280 and
+// 400 pixels wide, uses what can be used, and prints "ok - NAME" or "not ok - NAME: WHY" for each thing
 // that must hold. Speaks the DevTools protocol over pipes, so it needs nothing but node and Chromium.
 import {spawn} from 'node:child_process';
 import {mkdtempSync, rmSync, writeFileSync} from 'node:fs';
@@ -9,7 +9,8 @@ import {tmpdir} from 'node:os';
 import {join, resolve} from 'node:path';
 import {pathToFileURL} from 'node:url';
 
-const [, , program, file, prefix] = process.argv;
+const [, , program, file, kind, prefix] = process.argv;
+const plots = kind === 'plots';
 const profile = mkdtempSync(join(tmpdir(), 'strata-browser-'));
 const browser = spawn(program, ['--headless=new', '--no-sandbox', '--disable-gpu', '--remote-debugging-pipe',
   '--no-first-run', '--disable-background-networking', `--user-data-dir=${profile}`],
@@ -106,7 +107,14 @@ async function look(width) {
   await is('the page is drawn', `document.documentElement.dataset.ready === 'true'`);
   await is('words stand on top', `/^Exact costs [0-9.]+ x floor/.test(document.querySelector('.words li').textContent)`);
   await is('it is as wide as the window', 'document.documentElement.scrollWidth <= innerWidth');
-  await is('plots are drawn within it', `typeof Chart === 'undefined' || [...document.querySelectorAll('canvas')].every((c) =>
+  await is(plots ? 'there are plots' : 'there are none', `(typeof Chart !== 'undefined') === ${plots} &&
+    (document.querySelectorAll('canvas').length > 0) === ${plots}`);
+  await is('what is missing is said once', `(() => { const said = document.querySelectorAll('.missing');
+    return ${plots} ? said.length === 0 : said.length === 1 && said[0].textContent.includes('package libjs-chart.js')
+      && said[0].getBoundingClientRect().top < 300; })()`);
+  await is('no heading is empty', `[...document.querySelectorAll('h2, h3')].every((h) => h.nextElementSibling
+    && !(h.nextElementSibling.tagName <= h.tagName && /^H[23]$/.test(h.nextElementSibling.tagName)))`);
+  await is('plots are drawn within it', `[...document.querySelectorAll('canvas')].every((c) =>
     c.clientWidth > 200 && c.clientWidth <= innerWidth && c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((v) => v > 0))`);
   await is('tables have rows', `${firstColumn}.tBodies[0].rows.length > 5`);
   await is('a heading sorts', `(() => { const t = ${firstColumn}, head = t.tHead.rows[0].cells[2].firstChild; head.click();
@@ -121,7 +129,7 @@ async function look(width) {
   await is('pictures can be chosen', `(() => { const s = document.querySelector('select'), before = document.querySelector('.compare').children[1].src;
     if (s.options.length < 2) return true; s.selectedIndex = s.options.length - 1; s.dispatchEvent(new Event('change'));
     return document.querySelector('.compare').children[1].src !== before; })()`);
-  await is('hovering tells settings and passes', `(() => { if (typeof Chart === 'undefined') return true;
+  await is('hovering tells settings and passes', `(() => { if (!${plots}) return true;
     const chart = Chart.getChart(document.querySelector('canvas')), set = chart.data.datasets.findIndex((d) => d.data.length);
     chart.tooltip.setActiveElements([{datasetIndex: set, index: 0}], {x: 0, y: 0}); chart.update();
     return chart.tooltip.body[0].lines.length > 3; })()`);

@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# The report of a sweep in a real browser, 1280 and 400 pixels wide. Needs Chromium and node.
-# STRATA_TEST_PICTURES=PREFIX keeps screenshots.
+# The report of a sweep in a real browser, 1280 and 400 pixels wide, and what it is where Strata was
+# built without the library that draws plots. Needs Chromium and node. STRATA_TEST_PICTURES=PREFIX
+# keeps screenshots.
 . "$(dirname "$0")/lib.sh"
 STRATA_CACHE_DIR=$folder/cache # sweeps learn what techniques cost
 export STRATA_CACHE_DIR
@@ -21,13 +22,25 @@ fi
 
 hostile='x<img src=1 onerror="broken=1"><b>.glb'
 "$strata" scene glass -o "$hostile" >/dev/null || fail 'a scene with markup in its name'
-run sweep scene:glass -o sweep --size 24x18 --also 12x9 --also "./$hostile" --repeat 1 \
+set -- sweep scene:glass -o sweep --size 24x18 --also 12x9 --also "./$hostile" --repeat 1 \
     --only 'abuffer + ppc' --only 'kplus + ppc' --only 'kplus k=4 + ppc' --only 'kplus k=2 + ppc' --only wboit
+run "$@"
 [ "$status" -eq 0 ]
 verdict 'a sweep of three cases'
-node "$STRATA_TEST_SOURCE/tests/cli/browser.mjs" "$chromium" sweep/report.html \
-    "${STRATA_TEST_PICTURES:-}" >seen 2>err || failures=$((failures + 1))
-cat seen
-[ -s seen ] && [ ! -s err ]
-verdict 'the browser had its say'
+# look NAME plots|bare
+look() {
+    node "$STRATA_TEST_SOURCE/tests/cli/browser.mjs" "$chromium" sweep/report.html "$2" \
+        "${STRATA_TEST_PICTURES:+$STRATA_TEST_PICTURES$2-}" >seen 2>err || failures=$((failures + 1))
+    sed "s/^\(not \)*ok - /&$1: /" seen
+    [ -s seen ] && [ ! -s err ]
+    verdict "$1: the browser had its say"
+}
+built=bare
+! grep -q '^STRATA_CHART_JS:[A-Z]*=/' "$STRATA_TEST_BUILD/CMakeCache.txt" || built=plots
+look 'as built' $built
+strata=$STRATA_TEST_BUILD/tests/strata_bare
+run "$@" --resume
+[ "$status" -eq 0 ]
+verdict 'the report anew, without plots'
+look bare bare
 finish

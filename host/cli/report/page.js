@@ -83,7 +83,7 @@ function costOfK(one) {
   }
   const list = [...series].filter(([, points]) => points.length > 2)
     .map(([use, points]) => ({name: use.replaceAll(',', ' + '), points}));
-  return list.length ? plotOrNote('Time against k', () => growthPlot(list, 'fragments kept a pixel (k)', 'ms')) : [];
+  return list.length ? plotted('Time against k', () => growthPlot(list, 'fragments kept a pixel (k)', 'ms')) : [];
 }
 
 // Pairs [n, pixels] into at most 48 bins of even width.
@@ -117,7 +117,7 @@ function complexitySection(one) {
   for (let k = 1; k < largest; k *= 2) rows.push(k);
   rows.push(largest);
   const percent = (value) => `${Number((100 * value).toPrecision(4))} %`;
-  return [...plotOrNote('Depth complexity', () => complexityPlot(complexity)),
+  return [...plotted('Depth complexity', () => complexityPlot(complexity)),
     element('h3', {}, 'The k that pixels need'),
     table([
       {title: 'k', value: (k) => k, show: whole},
@@ -214,9 +214,9 @@ function caseSection(one, index) {
   return [element('h2', {id: `case-${index}`}, `${one.scene}, ${one.size[0]} \u00d7 ${one.size[1]}`),
     words(one.words || []),
     element('p', {class: 'note'}, `${whole(fragments.total)} fragments, ${whole(fragments.max_per_pixel)} in the deepest pixel; floor ${figure(one.floor_ms)} ms; exact image by ${one.reference.name || 'the plan'}.`),
-    ...plotOrNote('Time against error', () => paretoPlot(one)),
-    element('p', {class: 'note'}, 'The floor is the time to blend all fragments once, unordered and unlit. An error of 0 is drawn at the lower edge. Lower left is better.'),
-    ...plotOrNote('Memory against error', () => memoryPlot(one)),
+    ...plotted('Time against error', () => paretoPlot(one)),
+    element('p', {class: 'note'}, `The floor is the time to blend all fragments once, unordered and unlit.${havePlots ? ' An error of 0 is drawn at the lower edge. Lower left is better.' : ''}`),
+    ...plotted('Memory against error', () => memoryPlot(one)),
     ...costOfK(one), ...complexitySection(one), ...pictureSection(one, pictures[index]),
     element('h3', {}, 'All configurations'), figuresTable(one),
     element('details', {}, element('summary', {}, 'Times of passes, last frame'), passesTable(one)), notMeasured(one)];
@@ -242,12 +242,12 @@ function growthSeries(xOf) {
 }
 
 function growthSection() {
-  if (results.cases.length < 2) return [];
+  if (results.cases.length < 2 || !havePlots) return [];
   const parts = [element('h2', {}, 'How costs grow')];
   for (const [title, xOf] of Object.entries(GROWTH)) {
     const values = new Set(results.cases.map(xOf));
     if (values.size < 2 || [...values].some((value) => !(value > 0))) continue;
-    parts.push(...plotOrNote(`Time against ${title}`, () => growthPlot(growthSeries(xOf), title, 'ms')));
+    parts.push(...plotted(`Time against ${title}`, () => growthPlot(growthSeries(xOf), title, 'ms')));
   }
   return parts;
 }
@@ -267,7 +267,7 @@ function page() {
     element('a', {href: `#case-${index}`}, `${one.scene}, ${one.size[0]} \u00d7 ${one.size[1]}`), `: ${(one.words || [])[0] || ''}`))) : null;
   document.getElementById('page').replaceChildren(...[
     element('h1', {}, 'What accuracy costs'), ...violations.map((line) => element('p', {class: 'bad'}, `Does not hold: ${line}`)),
-    links, ...results.cases.flatMap(caseSection), ...growthSection(), ...machineSection()].filter(Boolean));
+    noPlots(), links, ...results.cases.flatMap(caseSection), ...growthSection(), ...machineSection()].filter(Boolean));
 }
 
 page();

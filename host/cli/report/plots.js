@@ -59,11 +59,12 @@ function plot(type, datasets, x, y, labels) {
   return box;
 }
 
-// Where there is no library this says so, once a plot.
-function plotOrNote(title, make) {
-  const head = element('h3', {}, title);
-  if (!havePlots) return [head, element('p', {class: 'note'}, 'No plot: the library that draws them was missing when Strata was built. The tables have all figures.')];
-  return [head, make()];
+// Without the library nothing, which noPlots() says once for all.
+function plotted(title, make) { return havePlots ? [element('h3', {}, title), make()] : []; }
+
+function noPlots() {
+  if (havePlots) return null;
+  return element('p', {class: 'note missing'}, 'There are no plots: Chart.js, which draws them, was missing when Strata was built (package libjs-chart.js). The tables have all figures; strata sweep --resume of a Strata that has it writes this report anew, with plots.');
 }
 
 // Slope of a line through the logarithms: 1 = grows in proportion.
