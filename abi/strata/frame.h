@@ -126,6 +126,7 @@ typedef struct strata_view {
 #define STRATA_REPORT_OBJECTS_OCCLUDED 8u /* not drawn, hidden by others */
 #define STRATA_REPORT_OBJECTS_LATE 9u     /* drawn in a later round than the first */
 #define STRATA_REPORT_OBJECTS_CERTIFIED 10u /* hidden, and checked to be so against the final depth */
+#define STRATA_REPORT_OBJECTS_SLIPPED 14u /* not drawn, between the centres of pixels */
 /* Of techniques that check whether others culled right. */
 #define STRATA_REPORT_OBJECTS_VISIBLE 11u  /* a fragment is level with the opaque depth, or nearer */
 #define STRATA_REPORT_OBJECTS_WRONG 12u    /* visible, and not drawn */

@@ -97,14 +97,14 @@ static json_t *fragments_json(const render_report *given) {
 static json_t *objects_json(const render_report *report) {
     if (!(report->known >> STRATA_REPORT_OBJECTS & 1u))
         return json_null();
-    const uint64_t culled = report->outside + report->occluded;
-    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:o}", "total",
+    const uint64_t culled = report->outside + report->slipped + report->occluded;
+    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:o}", "total",
                      (json_int_t)report->objects, "drawn", (json_int_t)(report->objects - culled),
-                     "outside", (json_int_t)report->outside, "occluded",
-                     (json_int_t)report->occluded, "late", (json_int_t)report->late, "certified",
-                     known(report, STRATA_REPORT_OBJECTS_CERTIFIED, report->certified), "visible",
-                     known(report, STRATA_REPORT_OBJECTS_VISIBLE, report->visible), "wrong",
-                     known(report, STRATA_REPORT_OBJECTS_WRONG, report->wrong), "overshot",
+                     "outside", (json_int_t)report->outside, "slipped", (json_int_t)report->slipped,
+                     "occluded", (json_int_t)report->occluded, "late", (json_int_t)report->late,
+                     "certified", known(report, STRATA_REPORT_OBJECTS_CERTIFIED, report->certified),
+                     "visible", known(report, STRATA_REPORT_OBJECTS_VISIBLE, report->visible),
+                     "wrong", known(report, STRATA_REPORT_OBJECTS_WRONG, report->wrong), "overshot",
                      known(report, STRATA_REPORT_OBJECTS_OVERSHOT, report->overshot));
 }
 

@@ -61,7 +61,7 @@ static uint64_t frame_needed(void *self, strata_pool pool) {
 static void frame_report(void *self, uint32_t what, uint64_t value) {
     const render_technique *t = self;
     render_report *report = &t->session->report;
-    if (what < STRATA_REPORT_FRAGMENTS_TOTAL || what > STRATA_REPORT_OBJECTS_OVERSHOT)
+    if (what < STRATA_REPORT_FRAGMENTS_TOTAL || what > STRATA_REPORT_OBJECTS_SLIPPED)
         return;
     if (strcmp(t->technique->stage, "clip") == 0) {
         if (what == STRATA_REPORT_FRAGMENTS_TOTAL) {
@@ -95,6 +95,8 @@ static void frame_report(void *self, uint32_t what, uint64_t value) {
         report->wrong += value;
     else if (what == STRATA_REPORT_OBJECTS_OVERSHOT)
         report->overshot += value;
+    else if (what == STRATA_REPORT_OBJECTS_SLIPPED)
+        report->slipped += value;
     else if (value > report->largest)
         report->largest = value;
 }

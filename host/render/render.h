@@ -93,7 +93,7 @@ typedef struct render_report {
     uint64_t total, kept, dropped, largest;
     uint64_t lost;   /* pixels */
     uint64_t before; /* total of a clip technique, which hides some from those after it */
-    uint64_t objects, outside, occluded, late, certified;
+    uint64_t objects, outside, slipped, occluded, late, certified;
     uint64_t visible, wrong, overshot; /* objects, as a checker found them */
     uint32_t known;                    /* bit 1 << STRATA_REPORT_*, or RENDER_REPORT_BEFORE */
 } render_report;

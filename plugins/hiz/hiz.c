@@ -300,7 +300,8 @@ static strata_result verify(void *state, const strata_frame *frame) {
         return STRATA_ERROR_INTERNAL;
     frame->report(frame->self, STRATA_REPORT_OBJECTS, h->count);
     frame->report(frame->self, STRATA_REPORT_OBJECTS_OUTSIDE, census[OUTSIDE]);
-    frame->report(frame->self, STRATA_REPORT_OBJECTS_OCCLUDED, census[OCCLUDED] + census[SLIPPED]);
+    frame->report(frame->self, STRATA_REPORT_OBJECTS_OCCLUDED, census[OCCLUDED]);
+    frame->report(frame->self, STRATA_REPORT_OBJECTS_SLIPPED, census[SLIPPED]);
     frame->report(frame->self, STRATA_REPORT_OBJECTS_LATE, census[APPEARED]);
     return STRATA_OK;
 }

@@ -168,17 +168,19 @@ static void account(run *r) {
     n->overshot += report->overshot;
     n->visible += report->visible;
     n->outside += report->outside;
+    n->slipped += report->slipped;
     n->occluded += report->occluded;
     n->late += report->late;
     if (report->objects != objects)
         fails(r, "%llu objects are accounted for, there are %llu",
               (unsigned long long)report->objects, (unsigned long long)objects);
-    if (report->outside + report->occluded + report->late > objects ||
-        report->visible > objects - report->outside - report->occluded)
-        fails(r, "of %llu objects %llu are outside, %llu occluded, %llu late, %llu visible",
+    const uint64_t culled = report->outside + report->slipped + report->occluded;
+    if (culled + report->late > objects || report->visible > objects - culled)
+        fails(r,
+              "of %llu objects %llu are outside, %llu slip, %llu occluded, %llu late, %llu visible",
               (unsigned long long)objects, (unsigned long long)report->outside,
-              (unsigned long long)report->occluded, (unsigned long long)report->late,
-              (unsigned long long)report->visible);
+              (unsigned long long)report->slipped, (unsigned long long)report->occluded,
+              (unsigned long long)report->late, (unsigned long long)report->visible);
 }
 
 static int read_back(run *r) {

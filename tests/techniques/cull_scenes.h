@@ -37,7 +37,7 @@ typedef struct cull_case {
 typedef struct cull_counts {
     uint64_t frames, object_frames, wrong, overshot, ties,
         lost_pixels; /* lost: by overshot objects */
-    uint64_t visible, outside, occluded, late;
+    uint64_t visible, outside, slipped, occluded, late;
     char failure[256]; /* the first one; "" = none */
 } cull_counts;
 

@@ -31,13 +31,14 @@ static double now(void) {
 /* ---- no visible object is culled ------------------------------------------------------------- */
 
 static json_t *counts_json(const cull_counts *n, uint32_t failures, double seconds) {
-    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:i, s:I, s:f}", "frames",
+    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:i, s:I, s:f}", "frames",
                      (json_int_t)n->frames, "object_frames", (json_int_t)n->object_frames,
-                     "outside", (json_int_t)n->outside, "occluded", (json_int_t)n->occluded, "late",
-                     (json_int_t)n->late, "visible", (json_int_t)n->visible, "wrong",
-                     (json_int_t)n->wrong, "slivers", (json_int_t)n->overshot, "sliver_pixels",
-                     (json_int_t)n->lost_pixels, "failures", (int)failures, "tie_pixels",
-                     (json_int_t)n->ties, "seconds", seconds);
+                     "outside", (json_int_t)n->outside, "slipped", (json_int_t)n->slipped,
+                     "occluded", (json_int_t)n->occluded, "late", (json_int_t)n->late, "visible",
+                     (json_int_t)n->visible, "wrong", (json_int_t)n->wrong, "slivers",
+                     (json_int_t)n->overshot, "sliver_pixels", (json_int_t)n->lost_pixels,
+                     "failures", (int)failures, "tie_pixels", (json_int_t)n->ties, "seconds",
+                     seconds);
 }
 
 static const uint32_t kind_objects[CULL_KINDS] = {
