@@ -96,9 +96,23 @@ static double measured_of(const json_t *c) {
     return json_is_number(max) ? json_number_value(max) : INFINITY;
 }
 
+/* Channels beyond the certificate: it is worth nothing. */
+static double violations_of(const json_t *c) {
+    return cli_number(json_object_get(c, "error"), "violations");
+}
+
 static double certified_of(const json_t *c) {
     const json_t *max = json_object_get(json_object_get(c, "bound"), "max");
-    return json_is_number(max) ? json_number_value(max) : INFINITY;
+    return json_is_number(max) && violations_of(c) == 0 ? json_number_value(max) : INFINITY;
+}
+
+static int has_other_bits(const json_t *c) {
+    return json_is_true(json_object_get(c, "bits")) && !(measured_of(c) == 0);
+}
+
+/* By what it promises, and the picture does not belie it. */
+static int is_shown_exact(const judged *j, const json_t *c) {
+    return is_exact(j, c) && violations_of(c) == 0 && !has_other_bits(c);
 }
 
 /* ---- the front ------------------------------------------------------------------------------- */
@@ -114,7 +128,7 @@ static int is_own_alone(const judged *j) {
     size_t i;
     const json_t *c;
     json_array_foreach(j->configurations, i, c) {
-        if (is_measured(c) && !is_floor(c) && !is_own(c) && is_exact(j, c))
+        if (is_measured(c) && !is_floor(c) && !is_own(c) && is_shown_exact(j, c))
             return !(j->floor_ms > 0);
     }
     return 1;
@@ -140,7 +154,7 @@ static void add_figures(const judged *j) {
     size_t i;
     json_t *c;
     json_array_foreach(j->configurations, i, c) {
-        json_object_set_new(c, "exact", json_boolean(!is_floor(c) && is_exact(j, c)));
+        json_object_set_new(c, "exact", json_boolean(!is_floor(c) && is_shown_exact(j, c)));
         json_object_set_new(c, "x_floor",
                             j->floor_ms > 0 && is_measured(c)
                                 ? json_real(cli_number(c, "ms") / j->floor_ms)
@@ -176,14 +190,12 @@ static void violate(const judged *j, const json_t *c, const char *what, double f
 
 static void check(const judged *j, const json_t *c) {
     const json_t *error = json_object_get(c, "error");
-    const int exact = json_is_true(json_object_get(c, "exact")),
-              bits = json_is_true(json_object_get(c, "bits"));
+    const int bits = json_is_true(json_object_get(c, "bits")), exact = is_exact(j, c);
     if (!json_is_object(error))
         return;
-    if (cli_number(error, "violations") > 0)
-        violate(j, c, "channels farther from the exact image than certified",
-                cli_number(error, "violations"));
-    if (exact && bits && !(measured_of(c) == 0))
+    if (violations_of(c) > 0)
+        violate(j, c, "channels farther from the exact image than certified", violations_of(c));
+    if (exact && has_other_bits(c))
         violate(j, c, "not the bits of the exact image, off by at most", measured_of(c));
     if (exact && !bits && cli_number(error, "uncertified_pixels") > 0)
         violate(j, c, "exact, but pixels are uncertified", cli_number(error, "uncertified_pixels"));

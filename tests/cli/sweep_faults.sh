@@ -63,6 +63,9 @@ verdict 'it is listed, and so is one that failed later'
 [ "$(at $r flawed state)" = measured ] && [ "$(at $r flawed bound/max)" = 0 ] &&
     [ "$(at $r "the plan's own choice" error/violations)" = 0 ]
 verdict 'the others hold'
+[ "$(at $r flawed exact)$(at $r flawed front_certified)" = falsefalse ] && ! grep -q 'certified, costs.*(flawed' out &&
+    grep -q "Exact costs.*(the plan's own choice)" out
+verdict 'a lie is not called exact, nor what it claims certified'
 
 # ---- surroundings
 STRATA_MODULE_PATH=$installed STRATA_CACHE_DIR=$folder/cache3
