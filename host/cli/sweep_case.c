@@ -45,6 +45,20 @@ static json_t *choose(const sweep_options *o, const sweep_place *place, const js
     return chosen;
 }
 
+/* A name that is mistyped would measure less than was meant, and say nothing. */
+static void warn_of_idle_names(const sweep_options *o, const char *scene, const json_t *chosen) {
+    for (uint32_t i = 0; i < o->only_count; i++) {
+        size_t k, found = 0;
+        const json_t *one;
+        json_array_foreach(chosen, k, one) {
+            found += strstr(cli_get(one, "name"), o->only[i]) != NULL;
+        }
+        if (!found)
+            cli_fail(0, "warning: --only '%.100s': no way to render %.200s is named so", o->only[i],
+                     scene);
+    }
+}
+
 static int list_configurations(sweep *w, const sweep_place *place, json_t **listed) {
     cli_text text = {0};
     const char *settings[8];
@@ -108,6 +122,7 @@ static int prepare(sweep *w, size_t at, const sweep_place *place) {
     if (status != CLI_DONE)
         return status;
     json_t *chosen = choose(w->options, place, listed);
+    warn_of_idle_names(w->options, place->scene, chosen);
     if (!kept)
         json_array_append_new(json_object_get(w->root, "cases"),
                               json_pack("{s:s, s:[i,i], s:o, s:O, s:{s:s}}", "scene", place->scene,

@@ -112,6 +112,10 @@ verdict 'a command renders'
 
 refuse 'results are not written over' 1 '--resume goes on with it' "$@" -o one
 
+run sweep "$scene" --size 8x8 --repeat 1 --only wboit --only kplsu -o typo
+[ "$status" -eq 0 ] && is_line "warning: --only 'kplsu': no way to render scene:layers?count=12 is named so"
+verdict 'a name that no configuration has is said'
+
 # ---- killed and gone on with
 "$strata" "$@" -o two >out 2>err &
 worker=$!
