@@ -120,6 +120,8 @@ struct strata_technique {
     strata_result (*estimate)(const strata_scene_stats *stats, const strata_settings *settings,
                               strata_cost *cost);
     strata_result (*create)(void *state, const strata_host *host, const strata_gpu *gpu);
+    /* OK or an error. OUT_OF_DEVICE_MEMORY, also for a buffer that a "limit.storage_range" cannot
+     * hold: the host splits the frame into more bands and prepares again. */
     strata_result (*prepare)(void *state, const strata_view *view);
     void (*record)(void *state, const strata_frame *frame);
     /* OK, RETRY (something learned or grown: record again) or an error. NULL = always OK. Pools are

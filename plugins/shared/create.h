@@ -7,8 +7,13 @@
 
 #include "strata/strata.h"
 
+/* One that is bound as a whole: where the device cannot, OUT_OF_DEVICE_MEMORY, after which the host
+ * tries with more bands, for which it is smaller. */
 static inline strata_result create_buffer(const strata_gpu *gpu, const char *label, uint64_t size,
                                           strata_buffer *out) {
+    const uint64_t range = gpu->fact(gpu->self, "limit.storage_range");
+    if (range > 0 && size > range)
+        return STRATA_ERROR_OUT_OF_DEVICE_MEMORY;
     return gpu->buffer_create(gpu->self,
                               &(strata_buffer_desc){.struct_size = sizeof(strata_buffer_desc),
                                                     .label = label,

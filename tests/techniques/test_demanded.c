@@ -148,12 +148,48 @@ static void memory_is_what_the_formula_says(void **state) {
         }
 }
 
+/* What a storage range cannot hold is held band by band, whatever the technique. */
+static void large_images_are_split(void **state) {
+    static const struct {
+        const char *use, *setting;
+    } ways[] = {
+        {"abuffer,ppc", "abuffer.mode=contiguous"},
+        {"abuffer,ppc", "abuffer.mode=linked"},
+        {"abuffer,fpc", "fpc.mode=fragments"},
+        {"kplus,ppc", "kplus.memory=exact"},
+        {"kplus,ppc", "kplus.exclusion=lock"},
+        {"occupancy,kplus,ppc", "kplus.k=8"},
+        {"stencil,ppc", "stencil.payload=float"},
+        {"peel", "peel.mode=front_to_back"},
+        {"peel", "peel.mode=dual"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i) {
+        strata *instance = NULL;
+        strata_scene *sc = NULL;
+        const strata_open_options open = {.struct_size = sizeof open, .backend = "null"};
+        const strata_render_options options = {.struct_size = sizeof options,
+                                               .width = 5000,
+                                               .height = 4000,
+                                               .use = ways[i].use,
+                                               .settings = &ways[i].setting,
+                                               .setting_count = 1};
+        assert_int_equal(strata_open(&open, &instance), STRATA_OK);
+        assert_int_equal(strata_scene_load(instance, "scene:shells", &sc), STRATA_OK);
+        if (strata_render(instance, sc, &options) != STRATA_OK)
+            fail_msg("%s %s: %s", ways[i].use, ways[i].setting, strata_error(instance));
+        assert_true(instance->result.bands > 1); /* 8 bytes a pixel are too much for 128 MiB */
+        strata_close(instance);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_opaque_scene_pays_nothing),
         cmocka_unit_test(plain_transparency_stores_no_transmission),
         cmocka_unit_test(several_effects_store_their_union),
         cmocka_unit_test(memory_is_what_the_formula_says),
+        cmocka_unit_test(large_images_are_split),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
