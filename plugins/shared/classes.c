@@ -92,15 +92,18 @@ strata_result classes_prepare(classes *c, const strata_gpu *gpu, const strata_vi
 
 /* ---- record ---------------------------------------------------------------------------------- */
 
+/* A group takes a tile of pixels: strata/class_pixels.glsl. */
 static strata_pass pixels_pass(const strata_frame *frame, const char *label, strata_program program,
                                const binds *b) {
-    const uint64_t pixels = (uint64_t)frame->band_width * frame->band_height;
+    enum { TILE = 32, GROUP = 64 };
+    const uint64_t across = (frame->band_width + TILE - 1) / TILE;
+    const uint64_t down = (frame->band_height + TILE - 1) / TILE;
     strata_pass pass = {.struct_size = sizeof pass,
                         .label = label,
                         .program = program,
                         .binds = b->at,
                         .bind_count = b->count};
-    strata_groups((pixels + CLASSES_PER_INVOCATION - 1) / CLASSES_PER_INVOCATION, pass.groups);
+    strata_groups(across * down * GROUP, pass.groups);
     return pass;
 }
 

@@ -14,7 +14,7 @@
 
 #include "shared/binds.h"
 
-enum { CLASSES_COUNT = 6, CLASSES_DEEP = 5, CLASSES_PER_INVOCATION = 16, CLASSES_BLOCK = 32 };
+enum { CLASSES_COUNT = 6, CLASSES_DEEP = 5, CLASSES_BLOCK = 32 };
 
 /* Mirrors CLASS_TABLE in strata/classes.glsl. */
 typedef struct classes_table {

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Classes, pass 1: pixels of each class, the largest count, blocks that the deep pixels will need.
-#include "strata/fragments.glsl"
-#include "strata/scan.glsl"
+#include "strata/class_pixels.glsl"
 #include "strata/classes.glsl"
-
-#define PIXELS_PER_INVOCATION 16u
 
 CLASS_TABLE(restrict)
 shared uint group_count[CLASS_COUNT];
@@ -20,18 +17,23 @@ void main() {
         group_blocks = 0u;
     }
     barrier();
-    uint first = strata_item() - lane; // of the group
-    for (uint i = 0u; i < PIXELS_PER_INVOCATION; ++i) {
-        uint pixel = first * PIXELS_PER_INVOCATION + i * STRATA_GROUP + lane;
-        uint count = pixel < strata_pixel_count() ? strata_ranges[pixel].y : 0u;
-        if (count == 0u)
-            continue;
-        uint c = class_of(count);
-        atomicAdd(group_count[c], 1u);
-        atomicMax(group_largest, count);
-        if (c == CLASS_DEEP)
-            atomicAdd(group_blocks, (count + DEEP_BLOCK - 1u) / DEEP_BLOCK);
+    uvec2 block = class_block();
+    uint pixels[CLASS_COUNT] = uint[](0u, 0u, 0u, 0u, 0u, 0u), most = 0u, deep_blocks = 0u;
+    for (uint i = 0u; i < CLASS_PIXELS; ++i) {
+        uint count = class_count(block, i);
+        most = max(most, count);
+        for (uint c = 0u; c < CLASS_COUNT; ++c)
+            pixels[c] += uint(count > 0u && class_of(count) == c);
+        if (class_of(count) == CLASS_DEEP)
+            deep_blocks += (count + DEEP_BLOCK - 1u) / DEEP_BLOCK;
     }
+    for (uint c = 0u; c < CLASS_COUNT; ++c)
+        if (pixels[c] > 0u)
+            atomicAdd(group_count[c], pixels[c]);
+    if (most > 0u)
+        atomicMax(group_largest, most);
+    if (deep_blocks > 0u)
+        atomicAdd(group_blocks, deep_blocks);
     barrier();
     if (lane < CLASS_COUNT && group_count[lane] > 0u)
         atomicAdd(classes[lane].count, group_count[lane]);
