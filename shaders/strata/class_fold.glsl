@@ -15,14 +15,18 @@ STRATA_PARAMS { float threshold; } params;
 #define CLASS_LOSE(pixel, slot)
 #endif
 
+#define CLASS_STEP(pixel, walk, slot)                                                              \
+    if (CLASS_ENDED(walk)) {                                                                       \
+        CLASS_LOSE(pixel, slot);                                                                   \
+    } else {                                                                                       \
+        strata_fold_step(walk, strata_event(strata_payload_load(slot)));                           \
+    }
+
 #define CLASS_FOLD(pixel, slots, count)                                                            \
     {                                                                                              \
         StrataElement walk = strata_fold_begin();                                                  \
-        uint at = 0u;                                                                              \
-        for (; at < count && !CLASS_ENDED(walk); ++at)                                             \
-            strata_fold_step(walk, strata_event(strata_payload_load(slots[at])));                  \
-        for (; at < count; ++at) {                                                                 \
-            CLASS_LOSE(pixel, slots[at]);                                                          \
+        for (uint at = 0u; at < count; ++at) {                                                     \
+            CLASS_STEP(pixel, walk, slots[at])                                                     \
         }                                                                                          \
         strata_output(pixel, walk);                                                                \
     }

@@ -38,8 +38,13 @@ void leave_to_tied(uint pixel) {
     k[i] = i < range.y ? strata_keys[range.x + i].x : STRATA_NO_KEY;
 #endif
 #define COMPARE(i) tied = tied || (k[i] == k[i + 1u] && k[i] != STRATA_NO_KEY);
-#define KEEP(i) sorted[i] = s[i];
 #endif
+#define KEEP(i) sorted[i] = s[i];
+#define UNROLLED 16 // steps of a fold; a loop would index the sorted slots dynamically
+#define STEP(i)                                                                                    \
+    if (i < range.y) {                                                                             \
+        CLASS_STEP(pixel, walk, s[i])                                                              \
+    }
 
 void main() {
     uint item = strata_item();
@@ -50,7 +55,7 @@ void main() {
     if (strata_needed > strata_capacity)
         return; // this attempt's pool is too small; the frame is recorded again
 #if SIZE == 1
-    uint sorted[1] = uint[1](range.x);
+    uint s[1] = uint[1](range.x);
 #else
 #if STRATA_LAYOUT == 1
     uint slot = range.x;
@@ -65,8 +70,16 @@ void main() {
         leave_to_tied(pixel);
         return;
     }
+#endif
+#if SIZE == 1
+    CLASS_FOLD(pixel, s, range.y)
+#elif SIZE > UNROLLED
     uint sorted[SIZE];
     REPEAT_SIZE(KEEP, 0u)
-#endif
     CLASS_FOLD(pixel, sorted, range.y)
+#else
+    StrataElement walk = strata_fold_begin();
+    REPEAT_SIZE(STEP, 0u)
+    strata_output(pixel, walk);
+#endif
 }
