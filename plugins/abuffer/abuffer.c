@@ -21,7 +21,8 @@
 typedef struct abuffer {
     const strata_gpu *gpu;
     uint32_t layout;
-    int cursors; /* contiguous: cursors are in an attachment, not counted down in storage */
+    int cursors;   /* contiguous: cursors are in an attachment, not counted down in storage */
+    int subgroups; /* linked: one addition to the common counter for a subgroup */
     strata_draws draws;
     strata_image limit;
     strata_buffer ranges;
@@ -32,14 +33,19 @@ typedef struct abuffer {
 
 static strata_result program(const abuffer *a, uint32_t kind, const char *label,
                              const strata_glsl *source, strata_program *out) {
-    static const char *const defines[] = {"STRATA_CURSORS"};
+    const char *defines[2];
+    uint32_t count = 0;
+    if (a->cursors)
+        defines[count++] = "STRATA_CURSORS";
+    if (a->subgroups)
+        defines[count++] = "STRATA_SUBGROUPS";
     return a->gpu->program_create(a->gpu->self,
                                   &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
                                                          .kind = kind,
                                                          .label = label,
                                                          .source = source,
                                                          .defines = defines,
-                                                         .define_count = a->cursors ? 1 : 0},
+                                                         .define_count = count},
                                   out);
 }
 
@@ -55,6 +61,8 @@ static strata_result prepare(void *state, const strata_view *view) {
     a->layout = view->layout;
     a->cursors = a->layout == STRATA_FRAGMENTS_CONTIGUOUS &&
                  a->gpu->fact(a->gpu->self, "ordered_attachments") != 0;
+    a->subgroups = a->layout == STRATA_FRAGMENTS_LINKED &&
+                   a->gpu->fact(a->gpu->self, "feature.subgroup_ballot") != 0;
     a->draws = view->draws(view->self, "draws.transparent/1");
     a->limit = view->image(view->self, "limit/1");
     strata_result r = create_buffer(a->gpu, "ranges", pixels * 8, &a->ranges);

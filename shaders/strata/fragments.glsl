@@ -25,7 +25,10 @@ layout(std430) STRATA_RANGES buffer StrataRanges { uvec2 strata_ranges[]; };
 #endif
 layout(std430) STRATA_RECORDS buffer StrataKeys { STRATA_KEYS strata_keys[]; };
 #if STRATA_LAYOUT == 1
-layout(std430) STRATA_RECORDS buffer StrataLinks { uvec2 strata_links[]; };
+#ifndef STRATA_LINKS
+#define STRATA_LINKS uvec2 // likewise
+#endif
+layout(std430) STRATA_RECORDS buffer StrataLinks { STRATA_LINKS strata_links[]; };
 #endif
 
 #endif
