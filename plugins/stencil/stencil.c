@@ -164,6 +164,30 @@ static void record_route(const stencil *s, const strata_frame *frame, uint32_t l
                        .stencil_fail = STRATA_STENCIL_DECREMENT});
 }
 
+/* Which fragments the store pass of a batch shades, by the stencil. It counts anew: the first batch
+ * ends with fragment 8, a later one begins with fragment `first`. With one batch, or where hidden
+ * fragments would count too, all fragments of pixels that have some in the batch: there the last
+ * layer's stencil is below where it began by one for each fragment of the pixel, so below ROUTED +
+ * count - 1 when these are more than the layers before the batch. */
+static void select_batch(const stencil *s, uint32_t first, uint32_t count,
+                         strata_attachment *routing, strata_pass *pass) {
+    *routing = (strata_attachment){.struct_size = sizeof *routing, .image = s->routing};
+    pass->depth = routing;
+    if (s->selects || s->layer_count <= BATCH) {
+        pass->stencil_test = STRATA_TEST_GREATER;
+        pass->stencil_reference = ROUTED + count - 1;
+        return;
+    }
+    routing->load = STRATA_LOAD_CLEAR;
+    routing->clear[1] = (float)(first == 0 ? BATCH : first);
+    pass->stencil_test = first == 0 ? STRATA_TEST_LESS : STRATA_TEST_EQUAL; /* 0 < stencil; 0 == */
+    pass->stencil_reference = 0;
+    if (first == 0)
+        pass->stencil_pass = STRATA_STENCIL_DECREMENT;
+    else
+        pass->stencil_fail = STRATA_STENCIL_DECREMENT;
+}
+
 /* Layers first .. first + count - 1 have been routed: stores and checks them. */
 static void record_batch(const stencil *s, const strata_frame *frame, uint32_t first,
                          uint32_t count) {
@@ -172,16 +196,12 @@ static void record_batch(const stencil *s, const strata_frame *frame, uint32_t f
                            bind_buffer("StrataRanges", s->ranges), bind_pool(s->records)};
     strata_pass pass = {
         .struct_size = sizeof pass, .params = params, .binds = bound, .bind_count = 4};
-    /* The last layer's stencil is below where it began by one for each fragment of the pixel: below
-     * ROUTED + count - 1 when these are more than the layers before the batch. */
+    strata_attachment routing;
     pass.label = "store";
     pass.program = s->store_program;
     pass.draws = s->draws;
     pass.params_size = sizeof params[0];
-    pass.depth =
-        &(strata_attachment){.struct_size = sizeof(strata_attachment), .image = s->routing};
-    pass.stencil_test = STRATA_TEST_GREATER;
-    pass.stencil_reference = ROUTED + count - 1;
+    select_batch(s, first, count, &routing, &pass);
     frame->pass(frame->self, &pass);
 
     pass.label = "check";
@@ -190,6 +210,7 @@ static void record_batch(const stencil *s, const strata_frame *frame, uint32_t f
     pass.params_size = sizeof params;
     pass.depth = NULL;
     pass.stencil_test = STRATA_TEST_NONE;
+    pass.stencil_pass = pass.stencil_fail = STRATA_STENCIL_KEEP;
     bound[3] = bind_buffer("Routing", s->routing_state);
     strata_groups((uint64_t)frame->band_width * frame->band_height, pass.groups);
     frame->pass(frame->self, &pass);
@@ -218,10 +239,10 @@ static void record(void *state, const strata_frame *frame) {
         const uint32_t left = s->layer_count - first, count = left < BATCH ? left : BATCH;
         for (uint32_t i = 0; i < count; ++i)
             record_route(s, frame, first + i);
+        if (count == left)
+            record_overflow(s, frame); /* storing may count the stencil anew */
         record_batch(s, frame, first, count);
     }
-    if (s->layer_count > 0)
-        record_overflow(s, frame);
 }
 
 /* ---- verify ---------------------------------------------------------------------------------- */
