@@ -71,7 +71,7 @@ static uint32_t sweep_kind(cull_rig *rig, cull_kind kind, uint64_t share, uint64
 /* ---- what is found --------------------------------------------------------------------------- */
 
 typedef struct found {
-    uint64_t in_view, hidden, culled_of_hidden, oracle, culled_of_oracle;
+    uint64_t slipped, in_view, hidden, culled_of_hidden, oracle, culled_of_oracle;
 } found;
 
 typedef struct target {
@@ -80,11 +80,14 @@ typedef struct target {
     const float *to_clip;
 } target;
 
-/* Whether the pixels whose centres the object's rectangle covers all lie in front of it; 1 too
- * where there is none. 0 where the box reaches the near plane. The rectangle is wider by the 1/256
- * that vertices are snapped to, the depth nearer by the roundings of the vertex stage: what a test
- * must leave to be right, so that what this one finds is hidden. */
-static int oracle_finds(const target *t, const upload_object *object, const upload_record *record) {
+typedef enum verdict { SEEN, HIDDEN, BETWEEN } verdict;
+
+/* HIDDEN: the pixels whose centres the object's rectangle covers all lie in front of it. BETWEEN:
+ * it covers none. SEEN too where the box reaches the near plane. The rectangle is wider by the
+ * 1/256 that vertices are snapped to, the depth nearer by the roundings of the vertex stage: what a
+ * test must leave to be right, so that what this one finds is hidden. */
+static verdict ask_oracle(const target *t, const upload_object *object,
+                          const upload_record *record) {
     double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, nearest = -HUGE_VAL;
     for (int corner = 0; corner < 8; ++corner) {
         double world[4] = {0, 0, 0, 1}, clip[4], size[4] = {0, 0, 0, 1}, margin = 0;
@@ -108,7 +111,7 @@ static int oracle_finds(const target *t, const upload_object *object, const uplo
                       fabs((double)t->to_clip[k * 4 + 3] * size[k]) * clip[2] / clip[3];
         margin *= 16 * 0x1p-23;
         if (!(clip[3] > 0) || !(clip[2] < clip[3]))
-            return 0;
+            return SEEN;
         const double p[2] = {(clip[0] / clip[3] * 0.5 + 0.5) * t->width,
                              (clip[1] / clip[3] * 0.5 + 0.5) * t->height};
         for (int axis = 0; axis < 2; ++axis) {
@@ -124,10 +127,11 @@ static int oracle_finds(const target *t, const upload_object *object, const uplo
     for (double y = y0; y <= y1; ++y)
         for (double x = x0; x <= x1; ++x)
             if ((double)t->depth[(size_t)y * t->width + (size_t)x] <= nearest)
-                return 0;
-    return 1;
+                return SEEN;
+    return x0 > x1 || y0 > y1 ? BETWEEN : HIDDEN;
 }
 
+/* What lies between pixels hides behind nothing: it is counted apart. */
 static int count_found(const strata *s, found *f) {
     enum { OUTSIDE = 4, SLIPPED = 5 };
     const render_session *session = s->session;
@@ -150,11 +154,14 @@ static int count_found(const strata *s, found *f) {
         if (states[i] == OUTSIDE)
             continue;
         const int is_culled = states[i] >= SLIPPED;
-        const int seen_through = oracle_finds(&t, &u->object[i], &u->record[i]);
+        const verdict says = ask_oracle(&t, &u->object[i], &u->record[i]);
+        f->slipped += says == BETWEEN;
+        if (says == BETWEEN)
+            continue;
         in_view++;
         culled += (uint64_t)is_culled;
-        f->oracle += (uint64_t)seen_through;
-        f->culled_of_oracle += (uint64_t)(seen_through && is_culled);
+        f->oracle += says == HIDDEN;
+        f->culled_of_oracle += says == HIDDEN && is_culled;
     }
     f->in_view += in_view;
     f->hidden += in_view - session->report.visible;
@@ -187,13 +194,14 @@ static double share(uint64_t part, uint64_t all) {
 }
 
 static json_t *found_json(const found *f) {
-    return json_pack("{s:I, s:I, s:f, s:I, s:f}", "in_view", (json_int_t)f->in_view, "oracle",
-                     (json_int_t)f->oracle, "of_oracle", share(f->culled_of_oracle, f->oracle),
-                     "hidden", (json_int_t)f->hidden, "of_hidden",
-                     share(f->culled_of_hidden, f->hidden));
+    return json_pack("{s:I, s:I, s:I, s:f, s:I, s:f}", "slipped", (json_int_t)f->slipped, "in_view",
+                     (json_int_t)f->in_view, "oracle", (json_int_t)f->oracle, "of_oracle",
+                     share(f->culled_of_oracle, f->oracle), "hidden", (json_int_t)f->hidden,
+                     "of_hidden", share(f->culled_of_hidden, f->hidden));
 }
 
 static void add_found(found *all, const found *f) {
+    all->slipped += f->slipped;
     all->in_view += f->in_view;
     all->hidden += f->hidden;
     all->culled_of_hidden += f->culled_of_hidden;
