@@ -82,11 +82,16 @@ static plan_role role_of(const modules_technique_note *note) {
     return PLAN_ROLES;
 }
 
-double plan_cost(const plan_work *w, const plan_candidate *c, double nearest) {
+const plan_price_in *plan_price_at(const plan_candidate *c, uint32_t layout) {
+    return &c->price[layout < PLAN_LAYOUTS ? layout : STRATA_FRAGMENTS_CONTIGUOUS];
+}
+
+double plan_cost(const plan_work *w, const plan_candidate *c, uint32_t layout, double nearest) {
+    const plan_price_in *price = plan_price_at(c, layout);
     double terms[COSTS_TERMS];
     costs_terms(c->note, w->in->stats, nearest, terms);
-    const double cost = costs_expect(w->in->costs, c->note, c->coefficients, terms);
-    return c->points >= 0 && isfinite(cost) && cost >= 0.0 ? cost : PLAN_NO_COST;
+    const double cost = costs_expect(w->in->costs, c->note, layout, price->coefficients, terms);
+    return price->points >= 0 && isfinite(cost) && cost >= 0.0 ? cost : PLAN_NO_COST;
 }
 
 double plan_kept(const plan_candidate *holder) {
@@ -98,8 +103,10 @@ double plan_kept(const plan_candidate *holder) {
 strata_result plan_price(plan_work *w) {
     for (uint32_t i = 0; i < w->count; i++) {
         plan_candidate *c = &w->candidates[i];
-        c->points = costs_of(w->in->costs, c->note, c->coefficients);
-        c->cost = plan_cost(w, c, plan_kept(c));
+        for (uint32_t layout = 0; layout < PLAN_LAYOUTS; layout++)
+            c->price[layout].points =
+                costs_of(w->in->costs, c->note, layout, c->price[layout].coefficients);
+        c->cost = plan_cost(w, c, STRATA_FRAGMENTS_CONTIGUOUS, plan_kept(c));
     }
     return STRATA_OK;
 }

@@ -56,10 +56,11 @@ static double shading_cost(const plan_work *w) {
  * what is hidden is drawn and shaded all the same, for its bound. */
 static void weigh(const plan_work *w, plan_candidate *c, const plan_candidate *holder) {
     const strata_scene_stats *stats = w->in->stats;
-    const double *m = holder->coefficients;
+    const plan_price_in *holds = plan_price_at(holder, w->out->layout);
+    const double *m = holds->coefficients;
     const char *unnamed = w->in->use ? "not named in --use; " : "";
     double fragments = stats->transparent_fragments;
-    if (c->cost == PLAN_NO_COST || holder->points < 0 || !(fragments > 0.0)) {
+    if (c->cost == PLAN_NO_COST || holds->points < 0 || !(fragments > 0.0)) {
         plan_reason(c, "%swhether it would pay is unknown", unnamed);
         return;
     }

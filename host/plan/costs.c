@@ -5,6 +5,7 @@
 #include "plan/costs.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -97,15 +98,41 @@ int costs_is_unit(const modules_technique_note *note) {
     return is && note->promises && note->promises->order == STRATA_ORDER_APPROXIMATE;
 }
 
-static costs_technique *find(const costs *c, const char *id) {
+static const char *const layouts[] = {"", ".linked"};
+
+void costs_name(const modules_technique_note *note, uint32_t layout, char name[COSTS_NAME]) {
+    const int other = names(note, "fragments/1", 0) && layout < sizeof layouts / sizeof *layouts;
+    snprintf(name, COSTS_NAME, "%.64s%s", note->id, other ? layouts[layout] : "");
+}
+
+static costs_technique *find(const costs *c, const char *name) {
     for (uint32_t i = 0; c && i < c->count; i++)
-        if (strcmp(c->techniques[i].id, id) == 0)
+        if (strcmp(c->techniques[i].name, name) == 0)
             return &c->techniques[i];
     return NULL;
 }
 
-int costs_of(const costs *c, const modules_technique_note *note, double coefficients[COSTS_TERMS]) {
-    const costs_technique *t = find(c, note->id);
+static const costs_technique *find_in(const costs *c, const modules_technique_note *note,
+                                      uint32_t layout) {
+    char name[COSTS_NAME];
+    costs_name(note, layout, name);
+    return find(c, name);
+}
+
+static const costs_technique *find_near(const costs *c, const modules_technique_note *note,
+                                        uint32_t layout) {
+    const costs_technique *t = find_in(c, note, layout);
+    return t && t->fitted ? t : find_in(c, note, STRATA_FRAGMENTS_CONTIGUOUS);
+}
+
+int costs_knows(const costs *c, const modules_technique_note *note, uint32_t layout) {
+    const costs_technique *t = find_in(c, note, layout);
+    return t && t->fitted;
+}
+
+int costs_of(const costs *c, const modules_technique_note *note, uint32_t layout,
+             double coefficients[COSTS_TERMS]) {
+    const costs_technique *t = find_near(c, note, layout);
     if (!t || !t->fitted)
         return costs_of_module(note, coefficients) ? 0 : -1;
     memcpy(coefficients, t->coefficients, sizeof t->coefficients);
@@ -131,10 +158,10 @@ static double distance(const double a[COSTS_TERMS], const double b[COSTS_TERMS])
 /* By how much terms may differ until a point says half as much: a factor of 1.5. */
 #define ALIKE 0.4
 
-double costs_expect(const costs *c, const modules_technique_note *note,
+double costs_expect(const costs *c, const modules_technique_note *note, uint32_t layout,
                     const double coefficients[COSTS_TERMS], const double terms[COSTS_TERMS]) {
     const double sum = costs_sum(coefficients, terms);
-    const costs_technique *t = find(c, note->id);
+    const costs_technique *t = find_near(c, note, layout);
     const costs_point *next = NULL;
     double nearest = HUGE_VAL;
     for (uint32_t i = 0; t && t->fitted && i < t->count; i++) {
@@ -153,8 +180,8 @@ double costs_expect(const costs *c, const modules_technique_note *note,
 
 #define MOST_FRAMES 16u /* that a mean goes back: drivers and machines change */
 
-static costs_technique *add_technique(costs *c, const char *id) {
-    if (c->count == COSTS_MOST_TECHNIQUES || strlen(id) >= sizeof c->techniques->id)
+static costs_technique *add_technique(costs *c, const char *name) {
+    if (c->count == COSTS_MOST_TECHNIQUES || strlen(name) >= sizeof c->techniques->name)
         return NULL;
     costs_technique *at = base_realloc(c->techniques, (size_t)c->count + 1, sizeof *at);
     if (!at)
@@ -162,7 +189,7 @@ static costs_technique *add_technique(costs *c, const char *id) {
     c->techniques = at;
     at += c->count++;
     *at = (costs_technique){0};
-    memcpy(at->id, id, strlen(id));
+    memcpy(at->name, name, strlen(name));
     return at;
 }
 
@@ -173,13 +200,13 @@ static int same(const double a[COSTS_TERMS], const double b[COSTS_TERMS]) {
     return 1;
 }
 
-int costs_add(costs *c, const char *technique, const double terms[COSTS_TERMS], double ms) {
+int costs_add(costs *c, const char *name, const double terms[COSTS_TERMS], double ms) {
     int sound = isfinite(ms) && ms > 0.0;
     for (int i = 0; i < COSTS_TERMS; i++)
         sound = sound && isfinite(terms[i]) && terms[i] >= 0.0;
-    costs_technique *t = sound ? find(c, technique) : NULL;
+    costs_technique *t = sound ? find(c, name) : NULL;
     if (sound && !t)
-        t = add_technique(c, technique);
+        t = add_technique(c, name);
     if (!t)
         return 0;
     for (uint32_t i = 0; i < t->count; i++) {
@@ -297,10 +324,12 @@ static int fit_technique(costs_technique *t, const modules_technique_note *note)
 }
 
 static const modules_technique_note *note_of(const modules_note *const *notes, uint32_t count,
-                                             const char *id) {
+                                             const char *name) {
+    const size_t length = strcspn(name, ".");
     for (uint32_t i = 0; i < count; i++)
         for (uint32_t k = 0; k < notes[i]->technique_count; k++)
-            if (strcmp(notes[i]->techniques[k].id, id) == 0)
+            if (strncmp(notes[i]->techniques[k].id, name, length) == 0 &&
+                strlen(notes[i]->techniques[k].id) == length)
                 return &notes[i]->techniques[k];
     return NULL;
 }
@@ -315,7 +344,7 @@ static double unit_of(const costs *c, const modules_note *const *notes, uint32_t
     double scales[COSTS_MOST_TECHNIQUES], coefficients[COSTS_TERMS];
     uint32_t known = 0;
     for (uint32_t i = 0; i < c->count; i++) {
-        const modules_technique_note *note = note_of(notes, count, c->techniques[i].id);
+        const modules_technique_note *note = note_of(notes, count, c->techniques[i].name);
         if (!note || !costs_of_module(note, coefficients) || c->techniques[i].count == 0)
             continue;
         const double scale = scale_of(&c->techniques[i], coefficients);
@@ -333,7 +362,7 @@ void costs_fit(costs *c, const modules_note *const *notes, uint32_t count) {
     c->ns = unit * 1e6;
     for (uint32_t i = 0; i < c->count; i++) {
         costs_technique *t = &c->techniques[i];
-        const modules_technique_note *note = note_of(notes, count, t->id);
+        const modules_technique_note *note = note_of(notes, count, t->name);
         t->fitted = unit > 0.0 && note && t->count > 0 && (uint32_t)fit_technique(t, note);
         for (int j = 0; j < COSTS_TERMS && t->fitted; j++)
             t->coefficients[j] /= unit;

@@ -15,6 +15,7 @@
 
 #define COSTS_MOST_POINTS     48u /* of a technique; the oldest goes */
 #define COSTS_MOST_TECHNIQUES 256u
+#define COSTS_NAME            80u /* bytes of a costs_name */
 
 /* Those of strata_cost_model in its order, and one more. */
 typedef enum costs_term {
@@ -39,7 +40,7 @@ typedef struct costs_point {
 } costs_point;
 
 typedef struct costs_technique {
-    char id[64];
+    char name[COSTS_NAME]; /* see costs_name */
     costs_point points[COSTS_MOST_POINTS];
     uint32_t count;
     uint32_t fitted;                  /* 1: `coefficients` stand in for the module's */
@@ -68,13 +69,22 @@ int costs_of_module(const modules_technique_note *note, double coefficients[COST
  * not a way to make pictures. */
 int costs_is_unit(const modules_technique_note *note);
 
-/* Those to plan with: measured where there are any (c may be NULL). Returns the number of points
- * that they rest on, 0 for the module's, -1 when there are none at all. */
-int costs_of(const costs *c, const modules_technique_note *note, double coefficients[COSTS_TERMS]);
+/* What it is measured as: its id, "abuffer"; but where it makes or reads fragments/1 in another
+ * layout than the contiguous one (STRATA_FRAGMENTS_*) that is another work, "abuffer.linked". */
+void costs_name(const modules_technique_note *note, uint32_t layout, char name[COSTS_NAME]);
+
+/* Those to plan with: measured where there are any (c may be NULL), in this layout or else in the
+ * contiguous one. Returns the number of points that they rest on, 0 for the module's, -1 when there
+ * are none at all. */
+int costs_of(const costs *c, const modules_technique_note *note, uint32_t layout,
+             double coefficients[COSTS_TERMS]);
+
+/* Whether it was measured in this very layout. */
+int costs_knows(const costs *c, const modules_technique_note *note, uint32_t layout);
 
 /* Coefficients times terms; and, where the technique was measured on terms like these, as much more
  * or less as it took there than the coefficients say: all of it for the same terms. */
-double costs_expect(const costs *c, const modules_technique_note *note,
+double costs_expect(const costs *c, const modules_technique_note *note, uint32_t layout,
                     const double coefficients[COSTS_TERMS], const double terms[COSTS_TERMS]);
 double costs_sum(const double coefficients[COSTS_TERMS], const double terms[COSTS_TERMS]);
 
@@ -84,8 +94,9 @@ int costs_count_knob(const modules_technique_note *note);
 
 /* ---- points ---------------------------------------------------------------------------------- */
 
-/* Takes a measurement; equal terms share a point. 0: it is no measurement, or there is no room. */
-int costs_add(costs *c, const char *technique, const double terms[COSTS_TERMS], double ms);
+/* Takes a measurement of what costs_name says; equal terms share a point. 0: it is no measurement,
+ * or there is no room. */
+int costs_add(costs *c, const char *name, const double terms[COSTS_TERMS], double ms);
 
 /* Fits all techniques of which there are notes, and the unit: that of the technique which is the
  * unit, else of the scale that the modules' coefficients have in the median. Coefficients are not

@@ -23,9 +23,9 @@ static int make_path(const char *folder, const char *device, char *path, size_t 
     return length > 0 && (size_t)length < size;
 }
 
-static int is_id(const char *text) {
-    const size_t length = strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789_");
-    return length > 0 && !text[length] && length < sizeof((costs_technique *)0)->id;
+static int is_name(const char *text) {
+    const size_t length = strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789_.");
+    return length > 0 && !text[length] && length < sizeof((costs_technique *)0)->name;
 }
 
 static int read_number(const json_t *value, double most, double *out) {
@@ -51,17 +51,17 @@ static const char *read_point(const json_t *object, costs_point *point) {
 }
 
 static const char *read_technique(const json_t *object, costs *c) {
-    const char *id = json_string_value(json_object_get(object, "technique")), *wrong;
+    const char *name = json_string_value(json_object_get(object, "technique")), *wrong;
     const json_t *points = json_object_get(object, "points");
     costs_technique *t = &c->techniques[c->count];
-    if (!id || !is_id(id))
-        return "a technique has no id";
+    if (!name || !is_name(name))
+        return "a technique has no name";
     for (uint32_t i = 0; i < c->count; i++)
-        if (strcmp(c->techniques[i].id, id) == 0)
+        if (strcmp(c->techniques[i].name, name) == 0)
             return "a technique is there twice";
     if (!json_is_array(points) || json_array_size(points) > COSTS_MOST_POINTS)
         return "a technique has no points, or too many";
-    memcpy(t->id, id, strlen(id));
+    memcpy(t->name, name, strlen(name));
     for (t->count = 0; t->count < json_array_size(points); t->count++)
         if ((wrong = read_point(json_array_get(points, t->count), &t->points[t->count])))
             return wrong;
@@ -121,7 +121,7 @@ static json_t *technique_json(const costs_technique *t) {
                               json_pack("{s:f, s:i, s:o}", "ms", fmin(t->points[i].ms, LONGEST_MS),
                                         "frames", (int)t->points[i].frames, "terms", terms));
     }
-    return json_pack("{s:s, s:o}", "technique", t->id, "points", points);
+    return json_pack("{s:s, s:o}", "technique", t->name, "points", points);
 }
 
 strata_result costs_save(const char *folder, const costs *c, base_error *err) {

@@ -18,8 +18,11 @@ static double drawing_cost(const plan_work *w, double share) {
     for (uint32_t i = 0; i < w->count; i++) {
         const plan_candidate *c = &w->candidates[i];
         if (c->chosen && plan_slot(c->note, "draws.opaque/1", STRATA_SLOT_CONSUMES))
-            cost += share * (c->coefficients[COSTS_TRIANGLE] * (double)stats->opaque_triangles +
-                             c->coefficients[COSTS_FRAGMENT] * stats->opaque_overdraw);
+            cost += share *
+                    (plan_price_at(c, STRATA_FRAGMENTS_CONTIGUOUS)->coefficients[COSTS_TRIANGLE] *
+                         (double)stats->opaque_triangles +
+                     plan_price_at(c, STRATA_FRAGMENTS_CONTIGUOUS)->coefficients[COSTS_FRAGMENT] *
+                         stats->opaque_overdraw);
     }
     return cost;
 }

@@ -166,14 +166,19 @@ static int eligible(const plan_work *w, plan_candidate *c) {
 
 /* ---- ways ------------------------------------------------------------------------------------ */
 
+/* Layouts, a bit each; a slot that names none means contiguous. */
+static uint32_t both_know(const modules_technique_note *capture,
+                          const modules_technique_note *resolve) {
+    const strata_slot_use *from = plan_slot(capture, "fragments/1", STRATA_SLOT_PRODUCES);
+    const strata_slot_use *to = plan_slot(resolve, "fragments/1", STRATA_SLOT_CONSUMES);
+    const uint32_t contiguous = 1u << STRATA_FRAGMENTS_CONTIGUOUS;
+    return (from->layouts ? from->layouts : contiguous) & (to->layouts ? to->layouts : contiguous);
+}
+
 /* The layout in which `capture` hands fragments to `resolve`; 0 when there is none. What the user
  * set stays; else the preset, else the first that both know. */
 static int agree(const plan_candidate *capture, const plan_candidate *resolve, uint32_t *layout) {
-    const strata_slot_use *from = plan_slot(capture->note, "fragments/1", STRATA_SLOT_PRODUCES);
-    const strata_slot_use *to = plan_slot(resolve->note, "fragments/1", STRATA_SLOT_CONSUMES);
-    uint32_t contiguous = 1u << STRATA_FRAGMENTS_CONTIGUOUS;
-    uint32_t both =
-        (from->layouts ? from->layouts : contiguous) & (to->layouts ? to->layouts : contiguous);
+    uint32_t both = both_know(capture->note, resolve->note);
     int mode = plan_knob(capture->note, "mode");
     if (mode >= 0) {
         uint32_t current = (uint32_t)capture->values[mode];
@@ -200,11 +205,11 @@ static void note_way(plan_candidate *c, double cost) {
 /* A resolve is paid for what the capture keeps. */
 static double cost_of(const plan_work *w, const way *candidate) {
     const plan_candidate *capture = candidate->capture;
-    const double fold =
-        capture ? plan_cost(w, candidate->fold, plan_kept(capture)) : candidate->fold->cost;
-    return fold == PLAN_NO_COST || (capture && capture->cost == PLAN_NO_COST)
-               ? HUGE_VAL
-               : fold + (capture ? capture->cost : 0.0);
+    if (!capture)
+        return candidate->fold->cost == PLAN_NO_COST ? HUGE_VAL : candidate->fold->cost;
+    const double kept = plan_kept(capture), first = plan_cost(w, capture, candidate->layout, kept),
+                 second = plan_cost(w, candidate->fold, candidate->layout, kept);
+    return first == PLAN_NO_COST || second == PLAN_NO_COST ? HUGE_VAL : first + second;
 }
 
 /* Whether it leaves out nothing that is named. */
@@ -229,6 +234,23 @@ static void consider(search *s, way candidate) {
         s->best = candidate;
 }
 
+/* Other layouts than the one agreed upon only where both were measured in both. */
+static void consider_layouts(search *s, const way *agreed) {
+    const costs *c = s->w->in->costs;
+    const modules_technique_note *from = agreed->capture->note, *to = agreed->fold->note;
+    const int mode = plan_knob(from, "mode");
+    if (mode < 0 || (agreed->capture->set_knobs >> mode & 1u) ||
+        !costs_knows(c, from, agreed->layout) || !costs_knows(c, to, agreed->layout))
+        return;
+    for (uint32_t layout = 0; layout < PLAN_LAYOUTS; layout++) {
+        way other = *agreed;
+        other.layout = layout;
+        if (layout != agreed->layout && (both_know(from, to) >> layout & 1u) &&
+            costs_knows(c, from, layout) && costs_knows(c, to, layout))
+            consider(s, other);
+    }
+}
+
 static void enumerate(search *s) {
     plan_work *w = s->w;
     for (uint32_t i = 0; i < w->count; i++) {
@@ -241,8 +263,10 @@ static void enumerate(search *s) {
             plan_candidate *second = &w->candidates[k];
             way pair = {.capture = first, .fold = second};
             if (second->role == PLAN_RESOLVE && eligible(w, second) &&
-                agree(first, second, &pair.layout))
+                agree(first, second, &pair.layout)) {
                 consider(s, pair);
+                consider_layouts(s, &pair);
+            }
         }
     }
 }
@@ -422,10 +446,13 @@ static strata_result settle(search *s) {
     int mode = b->capture ? plan_knob(b->capture->note, "mode") : -1;
     if (mode < 0 || b->capture->values[mode] == (double)b->layout)
         return STRATA_OK;
+    uint32_t agreed;
+    const int cheaper = agree(b->capture, b->fold, &agreed) && agreed != b->layout;
     b->capture->values[mode] = (double)b->layout;
     size_t length = strlen(b->capture->reason);
     snprintf(b->capture->reason + length, sizeof b->capture->reason - length,
-             "; mode %s, which %s reads", layouts[b->layout], b->fold->note->id);
+             cheaper ? "; as measured, mode %s costs less" : "; mode %s, which %s reads",
+             layouts[b->layout], b->fold->note->id);
     return STRATA_OK;
 }
 
@@ -463,7 +490,9 @@ strata_result plan_choose_fold(plan_work *w) {
         s.best.capture->reason[0] = '\0';
     plan_settle_budget(w, &s.best);
     if (s.best.capture) {
-        s.best.fold->cost = plan_cost(w, s.best.fold, plan_kept(s.best.capture));
+        const double kept = plan_kept(s.best.capture);
+        s.best.capture->cost = plan_cost(w, s.best.capture, s.best.layout, kept);
+        s.best.fold->cost = plan_cost(w, s.best.fold, s.best.layout, kept);
     }
     w->out->exact = is_exact(s.best.fold) && (!s.best.capture || is_exact(s.best.capture));
     describe_choice(&s);

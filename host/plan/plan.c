@@ -16,6 +16,11 @@ static strata_result no_memory(base_error *err) {
 
 /* ---- output ---------------------------------------------------------------------------------- */
 
+static uint32_t points_of(const plan *p, const plan_candidate *c) {
+    const int points = plan_price_at(c, p->layout)->points;
+    return points > 0 ? (uint32_t)points : 0;
+}
+
 /* Hands a chosen candidate's values over to the plan. */
 static void add_technique(plan *p, plan_candidate *c) {
     plan_technique *t = &p->techniques[p->technique_count++];
@@ -29,7 +34,7 @@ static void add_technique(plan *p, plan_candidate *c) {
                 .values = c->values,
             },
         .cost = c->cost,
-        .points = c->points > 0 ? (uint32_t)c->points : 0,
+        .points = points_of(p, c),
     };
     memcpy(t->reason, c->reason, sizeof t->reason);
     c->values = NULL;
@@ -37,9 +42,7 @@ static void add_technique(plan *p, plan_candidate *c) {
 
 static void add_left_out(plan *p, const plan_candidate *c) {
     plan_left_out *l = &p->left_out[p->left_out_count++];
-    *l = (plan_left_out){.technique = c->note,
-                         .cost = c->compared,
-                         .points = c->points > 0 ? (uint32_t)c->points : 0};
+    *l = (plan_left_out){.technique = c->note, .cost = c->compared, .points = points_of(p, c)};
     memcpy(l->reason, c->reason, sizeof l->reason);
 }
 

@@ -28,6 +28,14 @@ typedef enum plan_role { /* what a stage is to a frame; the order is that of the
                          PLAN_ROLES
 } plan_role;
 
+#define PLAN_LAYOUTS 2u /* STRATA_FRAGMENTS_* that the plan tells apart */
+
+/* What a technique costs where fragments/1 has one layout or the other. */
+typedef struct plan_price_in {
+    double coefficients[COSTS_TERMS]; /* zeros when unknown */
+    int points;                       /* see costs_of */
+} plan_price_in;
+
 /* One installed technique while the plan is made. */
 typedef struct plan_candidate {
     const modules_technique_note *note;
@@ -37,10 +45,9 @@ typedef struct plan_candidate {
     int chosen;
     uint64_t set_knobs; /* bit i: knob i was set by the user */
     double *values;
-    double cost;                      /* alone, PLAN_NO_COST when unknown */
-    double coefficients[COSTS_TERMS]; /* of its cost; zeros when unknown */
-    int points;                       /* see costs_of */
-    uint32_t ways;                    /* to fold with it, of those open to the choice */
+    double cost; /* alone, PLAN_NO_COST when unknown */
+    plan_price_in price[PLAN_LAYOUTS];
+    uint32_t ways;   /* to fold with it, of those open to the choice */
     double compared; /* of the cheapest of them, PLAN_NO_COST when there is none or it is unknown */
     char reason[256];
 } plan_candidate;
@@ -118,8 +125,10 @@ strata_result plan_assess(plan_work *w);  /* what is named, and what is blocked 
 plan_candidate *plan_candidate_find(const plan_work *w, const char *id);
 const strata_slot_use *plan_slot(const modules_technique_note *note, const char *slot,
                                  uint32_t use); /* NULL: it has no such use; use 0 = any */
-/* Where what holds a pixel's fragments keeps the nearest so many, 0 = all; PLAN_NO_COST. */
-double plan_cost(const plan_work *w, const plan_candidate *c, double nearest);
+const plan_price_in *plan_price_at(const plan_candidate *c, uint32_t layout);
+/* In a layout of fragments/1, where what holds a pixel's fragments keeps the nearest so many, 0 =
+ * all; PLAN_NO_COST. */
+double plan_cost(const plan_work *w, const plan_candidate *c, uint32_t layout, double nearest);
 double plan_kept(const plan_candidate *holder); /* what it keeps with its settings, 0 = all */
 int plan_host_fills(const char *slot);
 void plan_reason(plan_candidate *c, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -51,8 +51,8 @@ static double most(const plan_work *w, const plan_candidate *holder) {
 }
 
 static double cost_at(const plan_work *w, const plan_way *way, double keeps) {
-    const double fold = plan_cost(w, way->fold, keeps),
-                 capture = way->capture ? plan_cost(w, way->capture, keeps) : 0.0;
+    const double fold = plan_cost(w, way->fold, way->layout, keeps),
+                 capture = way->capture ? plan_cost(w, way->capture, way->layout, keeps) : 0.0;
     return fold == PLAN_NO_COST || capture == PLAN_NO_COST ? HUGE_VAL : fold + capture;
 }
 
@@ -73,7 +73,7 @@ void plan_settle_budget(plan_work *w, const plan_way *chosen) {
         return;
     const int knob = plan_free_knob(holder);
     holder->values[knob] = chosen->keeps;
-    holder->cost = plan_cost(w, holder, chosen->keeps);
+    holder->cost = plan_cost(w, holder, chosen->layout, chosen->keeps);
     w->out->turned = holder->note;
     w->out->turned_knob = (uint32_t)knob;
     w->out->turned_least = least(holder);

@@ -30,12 +30,18 @@ strata_result render_costs_load(strata *s, base_error *err) {
     return r == STRATA_OK ? render_costs_fit(s, &s->costs, err) : r;
 }
 
-/* Points are taken with knobs at their presets, but for those that the terms tell: others are of
- * another technique, so to say. */
+/* A capture's knob `mode` is its layout, which the plan may choose. */
+static int is_layout(const modules_technique_note *note, const strata_knob *knob) {
+    return strcmp(note->stage, "capture") == 0 && strcmp(knob->name, "mode") == 0;
+}
+
+/* Points are taken with knobs at their presets, but for those that the terms or the name tell:
+ * others are of another technique, so to say. */
 static int is_typical(const plan_technique *t) {
     const int count = costs_count_knob(t->technique);
     for (uint32_t i = 0; i < t->technique->knob_count; ++i)
-        if ((int)i != count && t->values[i] != t->technique->knobs[i]->preset)
+        if ((int)i != count && !is_layout(t->technique, t->technique->knobs[i]) &&
+            t->values[i] != t->technique->knobs[i]->preset)
             return 0;
     return 1;
 }
@@ -66,6 +72,7 @@ int render_learn_frame(const strata *s, costs *c) {
     const render_result *result = &s->result;
     const render_figures *last = &result->frames[result->frame_count - 1];
     double terms[COSTS_TERMS];
+    char name[COSTS_NAME];
     int learnt = 0;
     if (last->prepared || last->retries || session->certify || result->has_deep)
         return 0;
@@ -73,7 +80,8 @@ int render_learn_frame(const strata *s, costs *c) {
         const plan_technique *t = &session->plan->techniques[i];
         const double ms = time_of(result, t->technique->id);
         costs_terms(t->technique, &session->plan->stats, kept_by(session->plan), terms);
-        learnt |= is_typical(t) && costs_add(c, t->technique->id, terms, ms);
+        costs_name(t->technique, session->plan->layout, name);
+        learnt |= is_typical(t) && costs_add(c, name, terms, ms);
     }
     return learnt;
 }

@@ -90,15 +90,22 @@ static void terms_say_what_there_is_to_do(void **state) {
 
 /* Points of a technique as if a fragment took 20 ns and its coefficients were these. Noise: up to
  * so large a share, up and down. */
-static void measure(costs *c, const char *id, const double x[COSTS_TERMS], uint32_t points,
-                    double noise) {
+static void measure_in(costs *c, const char *id, uint32_t layout, const double x[COSTS_TERMS],
+                       uint32_t points, double noise) {
     double terms[COSTS_TERMS];
+    char name[COSTS_NAME];
+    costs_name(note(id), layout, name);
     for (uint32_t i = 0; i < points; i++) {
         const strata_scene_stats stats = scene_of(i);
         costs_terms(note(id), &stats, 1.0 + i % 9, terms);
         const double off = 1.0 + noise * ((double)(i * 7 % 11) / 5.0 - 1.0);
-        assert_true(costs_add(c, id, terms, costs_sum(x, terms) * 20e-6 * off));
+        assert_true(costs_add(c, name, terms, costs_sum(x, terms) * 20e-6 * off));
     }
+}
+
+static void measure(costs *c, const char *id, const double x[COSTS_TERMS], uint32_t points,
+                    double noise) {
+    measure_in(c, id, STRATA_FRAGMENTS_CONTIGUOUS, x, points, noise);
 }
 
 /* Two techniques say what the unit is, for theirs are the module's coefficients. */
@@ -122,7 +129,7 @@ static void known_coefficients_are_recovered(void **state) {
         measure(&c, "kplus", truth, 44, noisy ? 0.1 : 0);
         fit(&c);
         assert_true(near(c.ns, 20, 1e-6));
-        assert_int_equal(costs_of(&c, note("kplus"), x), 44);
+        assert_int_equal(costs_of(&c, note("kplus"), 0, x), 44);
         for (int i = 0; i < COSTS_TERMS; i++)
             if (x[i] < 0 || (!noisy && truth[i] > 0 && !near(x[i], truth[i], 0.03)))
                 fail_msg("coefficient %d is %g, not %g", i, x[i], truth[i]);
@@ -146,7 +153,7 @@ static void one_point_scales(void **state) {
     costs_terms(note("pass"), &stats, 0, terms);
     assert_true(costs_add(&c, "pass", terms, 3.0 * 20e-6 * costs_sum(module, terms)));
     fit(&c);
-    assert_int_equal(costs_of(&c, note("pass"), x), 1);
+    assert_int_equal(costs_of(&c, note("pass"), 0, x), 1);
     for (int i = 0; i < COSTS_TERMS; i++)
         if (!near(x[i], 3.0 * module[i], 1e-6))
             fail_msg("coefficient %d is %g, not %g", i, x[i], 3.0 * module[i]);
@@ -169,10 +176,11 @@ static void what_was_measured_is_expected_there(void **state) {
     }
     assert_true(costs_add(&c, "ppc", terms[0], 2.0) && costs_add(&c, "ppc", terms[1], 1.0));
     fit(&c);
-    assert_int_equal(costs_of(&c, note("ppc"), x), 2);
+    assert_int_equal(costs_of(&c, note("ppc"), 0, x), 2);
     for (int i = 0; i < 2; i++)
-        assert_true(near(costs_expect(&c, note("ppc"), x, terms[i]) * c.ns * 1e-6, 2.0 - i, 1e-9));
-    assert_true(near(costs_expect(&c, note("ppc"), x, terms[2]), costs_sum(x, terms[2]), 1e-6));
+        assert_true(
+            near(costs_expect(&c, note("ppc"), 0, x, terms[i]) * c.ns * 1e-6, 2.0 - i, 1e-9));
+    assert_true(near(costs_expect(&c, note("ppc"), 0, x, terms[2]), costs_sum(x, terms[2]), 1e-6));
     costs_free(&c);
 }
 
@@ -195,7 +203,7 @@ static void useless_points_stay_finite(void **state) {
     double x[COSTS_TERMS], terms[COSTS_TERMS] = {0};
     costs c = {0};
     kit_make(&k, ALL);
-    assert_int_equal(costs_of(NULL, note("abuffer"), x), 0);
+    assert_int_equal(costs_of(NULL, note("abuffer"), 0, x), 0);
     fit(&c); /* none */
     assert_true(c.ns == 0);
     assert_false(costs_add(&c, "abuffer", terms, 0.0));
@@ -217,7 +225,7 @@ static void useless_points_stay_finite(void **state) {
         costs_add(&c, "abuffer", terms, 1e-3);
         costs_add(&c, "unheard_of", terms, 1e-3);
         fit(&c);
-        assert_true(costs_of(&c, note("abuffer"), x) >= 0);
+        assert_true(costs_of(&c, note("abuffer"), 0, x) >= 0);
         for (int i = 0; i < COSTS_TERMS; i++)
             assert_true(isfinite(x[i]) && x[i] >= 0);
         assert_true(isfinite(c.ns));
@@ -273,6 +281,51 @@ static void the_plan_goes_by_what_was_measured(void **state) {
     assert_int_equal(p->techniques[0].points, 0);
     assert_true(p->ms == PLAN_NO_COST && !p->measured_on[0]);
     plan_free(p);
+}
+
+/* abuffer + fpc cost 7,000, as lists 5,000; which counts only where both know it. */
+static void layouts_are_measured_apart(void **state) {
+    (void)state;
+    static const struct {
+        const char *lists[2], *setting;
+        uint32_t layout;
+        double cost;
+    } rows[] = {
+        {{"abuffer", "fpc"}, NULL, STRATA_FRAGMENTS_LINKED, 5000},
+        {{"abuffer", "fpc"}, "abuffer.mode=contiguous", STRATA_FRAGMENTS_CONTIGUOUS, 7000},
+        {{"abuffer"}, NULL, STRATA_FRAGMENTS_CONTIGUOUS, 7000},
+        {{"fpc"}, NULL, STRATA_FRAGMENTS_CONTIGUOUS, 7000},
+        {{"fpc"}, "abuffer.mode=linked", STRATA_FRAGMENTS_LINKED, 7000},
+    };
+    char name[COSTS_NAME];
+    kit_make(&k, "abuffer ppc fpc peel over");
+    costs_name(note("fpc"), STRATA_FRAGMENTS_LINKED, name);
+    assert_string_equal(name, "fpc.linked");
+    costs_name(note("peel"), STRATA_FRAGMENTS_LINKED, name);
+    assert_string_equal(name, "peel");
+    for (size_t i = 0; i < BASE_COUNT(rows); i++) {
+        demand d;
+        costs c = {0};
+        double x[COSTS_TERMS], lists[COSTS_TERMS] = {0};
+        const request r = {FOR("abuffer fpc peel over", "b"), .use = "abuffer,fpc",
+                           .settings = {rows[i].setting}, .costs = &c};
+        measure_others(&c);
+        assert_true(costs_of_module(note("fpc"), x));
+        measure(&c, "fpc", x, 20, 0);
+        for (int n = 0; n < 2 && rows[i].lists[n]; n++) {
+            lists[COSTS_FRAGMENT] = strcmp(rows[i].lists[n], "fpc") == 0 ? 4 : 1;
+            measure_in(&c, rows[i].lists[n], STRATA_FRAGMENTS_LINKED, lists, 20, 0);
+        }
+        fit(&c);
+        plan *p = get(&r, &k, &d);
+        if (p->layout != rows[i].layout || !near(p->cost, rows[i].cost, 0.01))
+            fail_msg("row %zu: layout %u, cost %g", i, p->layout, p->cost);
+        assert_true(p->techniques[0].values[0] == (double)rows[i].layout);
+        if (i == 0)
+            assert_non_null(strstr(p->techniques[0].reason, "as measured, mode linked costs less"));
+        plan_free(p);
+        costs_free(&c);
+    }
 }
 
 /* ---- files ----------------------------------------------------------------------------------- */
@@ -361,6 +414,7 @@ int main(void) {
         cmocka_unit_test(useless_points_stay_finite),
         cmocka_unit_test(equal_terms_share_a_point),
         cmocka_unit_test(the_plan_goes_by_what_was_measured),
+        cmocka_unit_test(layouts_are_measured_apart),
         cmocka_unit_test(files_are_kept_and_doubted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
