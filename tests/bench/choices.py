@@ -21,8 +21,8 @@ import sys
 import tempfile
 
 TOLERANCE = 0.00392
-ROUNDS, FRAMES, WARMUP = 3, 6, 2
-BEST = 3  # configurations beside the plan's: the sweep's own order rests on few frames
+ROUNDS, FRAMES, WARMUP = 4, 6, 2
+BEST = 4  # configurations beside the plan's: the sweep's own order rests on few frames
 BUDGET_FRAMES, SETTLED = 14, 10
 SHARES = (1.3, 0.9, 0.7, 0.5, 0.35, 0.25)
 WITHIN = 1.15
