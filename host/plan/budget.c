@@ -10,6 +10,9 @@
 #define LOW  0.9
 #define HIGH 1.05
 
+#define DOUBT 1.25 /* of the target: a frame that takes longer is believed at once, others twice   \
+                    */
+
 #define AIM     0.98 /* of the target: it shall be met, not missed by a little */
 #define LARGEST 4.0  /* factor between two levels */
 #define OTHER   1.5  /* factor between the times of two scenes */
@@ -81,6 +84,8 @@ int budget_measure(budget_rule *r, double ms) {
         r->settled_ms = r->ms;
         return 0;
     }
+    if (r->ms > r->target && r->ms <= DOUBT * r->target && r->frames < 2)
+        return 0;
     bracket(r);
     const double next = next_level(r);
     if (next == r->level) { /* the least, the most, or the last that fits */

@@ -202,13 +202,18 @@ static void note_way(plan_candidate *c, double cost) {
         c->compared = cost;
 }
 
-/* A resolve is paid for what the capture keeps. */
-static double cost_of(const plan_work *w, const way *candidate) {
+/* Of one of both, a resolve for what the capture keeps. */
+static double part_cost(const plan_work *w, const way *candidate, const plan_candidate *part) {
     const plan_candidate *capture = candidate->capture;
-    if (!capture)
+    const double cost = plan_cost(w, part, candidate->layout, plan_kept(capture));
+    return cost == PLAN_NO_COST ? cost : cost * plan_recordings(w, capture);
+}
+
+static double cost_of(const plan_work *w, const way *candidate) {
+    if (!candidate->capture)
         return candidate->fold->cost == PLAN_NO_COST ? HUGE_VAL : candidate->fold->cost;
-    const double kept = plan_kept(capture), first = plan_cost(w, capture, candidate->layout, kept),
-                 second = plan_cost(w, candidate->fold, candidate->layout, kept);
+    const double first = part_cost(w, candidate, candidate->capture),
+                 second = part_cost(w, candidate, candidate->fold);
     return first == PLAN_NO_COST || second == PLAN_NO_COST ? HUGE_VAL : first + second;
 }
 
@@ -490,9 +495,8 @@ strata_result plan_choose_fold(plan_work *w) {
         s.best.capture->reason[0] = '\0';
     plan_settle_budget(w, &s.best);
     if (s.best.capture) {
-        const double kept = plan_kept(s.best.capture);
-        s.best.capture->cost = plan_cost(w, s.best.capture, s.best.layout, kept);
-        s.best.fold->cost = plan_cost(w, s.best.fold, s.best.layout, kept);
+        s.best.capture->cost = part_cost(w, &s.best, s.best.capture);
+        s.best.fold->cost = part_cost(w, &s.best, s.best.fold);
     }
     w->out->exact = is_exact(s.best.fold) && (!s.best.capture || is_exact(s.best.capture));
     describe_choice(&s);

@@ -68,6 +68,16 @@ int plan_certifies(const plan_candidate *c) {
     return c->role == PLAN_CAPTURE || plan_slot(c->note, "bound/1", STRATA_SLOT_UPDATES) != NULL;
 }
 
+/* From what pixels begin with they at most double, until those that need most have it. */
+double plan_recordings(const plan_work *w, const plan_candidate *holder) {
+    const int nearest = plan_knob(holder->note, "k"), begin = plan_knob(holder->note, "begin");
+    if (nearest < 0 || begin < 0 || !(holder->values[begin] > 0.0))
+        return 1.0;
+    const double depth = w->in->stats->largest_depth, k = holder->values[nearest],
+                 most = k > 0.0 ? fmin(k, depth) : depth;
+    return 1.0 + log2(fmax(1.0, most / holder->values[begin]));
+}
+
 /* Appends to the reasons of what folds: which certificate is asked for, and with what. */
 strata_result plan_explain_trades(plan_work *w) {
     static const char *const payloads[] = {"float", "half", "unorm8"};

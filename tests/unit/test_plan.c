@@ -305,10 +305,14 @@ static void everything_has_its_reason(void **state) {
          "kplus",
          "the cheapest way to fold about 1,000 fragments, with ppc: 1.8 x floor; for a tolerance "
          "of 0.1 it begins with k 8"},
-        {{FOR("growk abuffer ppc over", "b"), .tolerance = 0.1},
+        {{FOR("growk abuffer ppc over", "b"), .tolerance = 0.1, .settings = {"growk.k=5"}},
          "growk",
-         "the cheapest way to fold about 1,000 fragments, with ppc: 2 x floor; for a tolerance of "
-         "0.1 it begins with k from 4 to 64, pixel by pixel"},
+         "the cheapest way to fold about 1,000 fragments, with ppc: 1.98 x floor; for a tolerance "
+         "of "
+         "0.1 it begins with k from 4 to 5, pixel by pixel"},
+        {{FOR("growk abuffer ppc over", "b"), .tolerance = 0.1}, /* (1 + 1) * (1 + log2(10 / 4)) */
+         "growk",
+         "costs 4.64 against 4 of abuffer + ppc"},
         {{FOR("kplus abuffer ppc over", "b"), .tolerance = 0.1, .raise = 5},
          "kplus",
          "it keeps the nearest fragments only, and the tolerance was missed"},
