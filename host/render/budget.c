@@ -106,9 +106,12 @@ strata_result render_budget_learn(strata *s, const strata_render_options *option
                                   base_error *err) {
     const render_figures *figures = &s->result.frames[s->result.frame_count - 1];
     render_budget *b = &s->budget;
+    /* A frame that was recorded again for more room says little, unless the next one is, too. */
+    const int learning = figures->retries > 0 && !b->recorded_again;
     const render_budget_frame frame = {.ms = figures->ms,
                                        .level = plan_turned(s->session->plan),
-                                       .judged = figures->prepared == 0};
+                                       .judged = figures->prepared == 0 && !learning};
+    b->recorded_again = figures->retries > 0;
     if (!(b->asked > 0))
         return STRATA_OK;
     strata_result r = note(b, frame, err);

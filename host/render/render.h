@@ -231,8 +231,9 @@ typedef struct render_budget {
     uint32_t late;   /* exact frames were judged, and take too long */
     uint32_t replan; /* 1: the next frame wants another plan */
     uint32_t replans;
-    uint32_t retried; /* 1: exactness was weighed again, at the most that the knob takes */
-    uint32_t stuck;   /* 1: the least was set and takes too long */
+    uint32_t retried;   /* 1: exactness was weighed again, at the most that the knob takes */
+    uint32_t stuck;     /* 1: the least was set and takes too long */
+    int recorded_again; /* the last frame was */
     budget_rule rule;
     render_budget_frame *frames; /* the last ones */
     uint32_t count;

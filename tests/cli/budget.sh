@@ -52,6 +52,22 @@ run render $scene $size -o both.exr --repeat 3 --tolerance 0.5 --budget 0.001 --
     [ "$(get both.json budget/met)" = false ] && grep -q 'is missed' err
 verdict 'a tolerance comes first'
 
+run render 'scene:stack?count=20' --camera orbit:90,0 $size -o turn.exr --repeat 10 --budget 1e9 --use abuffer,ppc \
+    --set frame.turn=9 --account turn.json
+i=1 doubted=0 wrong=0
+while [ $i -lt 10 ]; do
+    before=$(get turn.json frames/$((i - 1))/retries) now=$(get turn.json frames/$i/retries) said=true
+    if [ "$(get turn.json frames/$i/prepared)" != 0 ]; then
+        said=false
+    elif [ "$now" -gt 0 ] && [ "$before" -eq 0 ]; then
+        said=false doubted=1
+    fi
+    [ "$(get turn.json budget/frames/$i/judged)" = $said ] || wrong=1
+    i=$((i + 1))
+done
+[ "$status" -eq 0 ] && [ $doubted = 1 ] && [ $wrong = 0 ]
+verdict 'a frame that was recorded again is not judged, unless the next one is, too'
+
 run plan $scene $size --json
 cp out before.json
 run render $scene $size -o x.png --repeat 3 --learn
