@@ -10,8 +10,8 @@
 #define LOW  0.9
 #define HIGH 1.05
 
-#define DOUBT 1.25 /* of the target: a frame that takes longer is believed at once, others twice   \
-                    */
+/* Of the target: a frame that takes longer is believed at once, others twice. */
+#define DOUBT 1.25
 
 #define AIM     0.98 /* of the target: it shall be met, not missed by a little */
 #define LARGEST 4.0  /* factor between two levels */

@@ -202,19 +202,17 @@ static void note_way(plan_candidate *c, double cost) {
         c->compared = cost;
 }
 
-/* Of one of both, a resolve for what the capture keeps. */
+/* A resolve is paid for what the capture keeps. */
 static double part_cost(const plan_work *w, const way *candidate, const plan_candidate *part) {
-    const plan_candidate *capture = candidate->capture;
-    const double cost = plan_cost(w, part, candidate->layout, plan_kept(capture));
-    return cost == PLAN_NO_COST ? cost : cost * plan_recordings(w, capture);
+    const plan_candidate *holder = candidate->capture ? candidate->capture : candidate->fold;
+    const double cost = plan_cost(w, part, candidate->layout, plan_kept(holder));
+    return cost == PLAN_NO_COST ? cost : cost * plan_recordings(w, holder);
 }
 
 static double cost_of(const plan_work *w, const way *candidate) {
-    if (!candidate->capture)
-        return candidate->fold->cost == PLAN_NO_COST ? HUGE_VAL : candidate->fold->cost;
-    const double first = part_cost(w, candidate, candidate->capture),
-                 second = part_cost(w, candidate, candidate->fold);
-    return first == PLAN_NO_COST || second == PLAN_NO_COST ? HUGE_VAL : first + second;
+    const double fold = part_cost(w, candidate, candidate->fold),
+                 capture = candidate->capture ? part_cost(w, candidate, candidate->capture) : 0.0;
+    return fold == PLAN_NO_COST || capture == PLAN_NO_COST ? HUGE_VAL : fold + capture;
 }
 
 /* Whether it leaves out nothing that is named. */
@@ -494,10 +492,9 @@ strata_result plan_choose_fold(plan_work *w) {
     if (s.best.capture)
         s.best.capture->reason[0] = '\0';
     plan_settle_budget(w, &s.best);
-    if (s.best.capture) {
+    s.best.fold->cost = part_cost(w, &s.best, s.best.fold);
+    if (s.best.capture)
         s.best.capture->cost = part_cost(w, &s.best, s.best.capture);
-        s.best.fold->cost = part_cost(w, &s.best, s.best.fold);
-    }
     w->out->exact = is_exact(s.best.fold) && (!s.best.capture || is_exact(s.best.capture));
     describe_choice(&s);
     if (plan_has_budget(w->in))

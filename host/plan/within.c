@@ -73,7 +73,6 @@ void plan_settle_budget(plan_work *w, const plan_way *chosen) {
         return;
     const int knob = plan_free_knob(holder);
     holder->values[knob] = chosen->keeps;
-    holder->cost = plan_cost(w, holder, chosen->layout, chosen->keeps);
     w->out->turned = holder->note;
     w->out->turned_knob = (uint32_t)knob;
     w->out->turned_least = least(holder);

@@ -12,6 +12,7 @@
  * exact allocation with a number of its own for each pixel, and grow -> room after the capture.
  */
 #include "kplus/grow.h"
+#include "kplus/knobs.h"
 #include "kplus_glsl.h"
 #include "shared/binds.h"
 #include "shared/counting.h"
@@ -23,19 +24,7 @@
 #include <string.h>
 
 enum { FINISH_PIXELS = 16, ORDERED_MOST = 16, ATTACHMENTS_MOST = 8 };
-enum { K_MOST = 16384, ARRAY_MOST = 32 }; /* CELL_PLACE holds the former; a heap wins above */
-
-enum { KNOB_K, KNOB_STRUCTURE, KNOB_EXCLUSION, KNOB_MEMORY, KNOB_PAYLOAD, KNOB_TRIES, KNOB_BEGIN };
-enum { STRUCTURE_AUTO, STRUCTURE_ARRAY, STRUCTURE_HEAP };
-enum { MEMORY_FIXED, MEMORY_EXACT };
-typedef enum path {
-    PATH_AUTO,
-    PATH_LOCK,
-    PATH_ATOMIC64,
-    PATH_ATOMIC32,
-    PATH_UNLOCKED,
-    PATH_ORDERED
-} path;
+enum { ARRAY_MOST = 32 }; /* a heap wins above */
 
 typedef struct kplus {
     const strata_gpu *gpu;
@@ -504,51 +493,6 @@ static const strata_slot_use behind_use = {.struct_size = sizeof(strata_slot_use
 static const strata_slot_use *const slots[] = {&slots_draws, &slots_limit, &fragments_use,
                                                &behind_use};
 
-static const char *const structure_choices[] = {"auto", "array", "heap", NULL};
-static const char *const exclusion_choices[] = {"auto",     "lock",    "atomic64", "atomic32",
-                                                "unlocked", "ordered", NULL};
-static const char *const memory_choices[] = {"fixed", "exact", NULL};
-static const strata_knob k = {.struct_size = sizeof(strata_knob),
-                              .type = STRATA_KNOB_INT,
-                              .name = "k",
-                              .title = "fragments a pixel that are kept; 0 = all",
-                              .unit = "fragments",
-                              .maximum = K_MOST,
-                              .preset = 8,
-                              .trades_accuracy = 1};
-static const strata_knob structure = {.struct_size = sizeof(strata_knob),
-                                      .type = STRATA_KNOB_CHOICE,
-                                      .name = "structure",
-                                      .title = "how the farthest record is found",
-                                      .maximum = 2,
-                                      .choices = structure_choices};
-static const strata_knob exclusion = {.struct_size = sizeof(strata_knob),
-                                      .type = STRATA_KNOB_CHOICE,
-                                      .name = "exclusion",
-                                      .title = "what keeps fragments of a pixel apart",
-                                      .maximum = 5,
-                                      .choices = exclusion_choices};
-static const strata_knob memory = {.struct_size = sizeof(strata_knob),
-                                   .type = STRATA_KNOB_CHOICE,
-                                   .name = "memory",
-                                   .title = "k slots a pixel, or as many as it fills",
-                                   .maximum = 1,
-                                   .choices = memory_choices};
-static const strata_knob tries = {.struct_size = sizeof(strata_knob),
-                                  .type = STRATA_KNOB_INT,
-                                  .name = "tries",
-                                  .title = "of the lock, before the frame does without",
-                                  .maximum = 32768,
-                                  .preset = 4096};
-static const strata_knob begin = {.struct_size = sizeof(strata_knob),
-                                  .type = STRATA_KNOB_INT,
-                                  .name = "begin",
-                                  .title = "of k, with a tolerance: what each pixel begins with; "
-                                           "0 = k",
-                                  .unit = "fragments",
-                                  .maximum = K_MOST};
-static const strata_knob *const knobs[] = {
-    &k, &structure, &exclusion, &memory, &records_payload_knob, &tries, &begin};
 static const char *const prefers[] = {"ordered_attachments", "selftest.ordered_rmw",
                                       "feature.int64_atomics", NULL};
 
@@ -575,8 +519,8 @@ static const strata_technique technique = {
     .stage = "capture",
     .slots = slots,
     .slot_count = 4,
-    .knobs = knobs,
-    .knob_count = 7,
+    .knobs = kplus_knobs,
+    .knob_count = KNOB_COUNT,
     .promises = &promises,
     .cost = &cost,
     .prefers = prefers,

@@ -4,6 +4,7 @@
  * of one depth; pixels that are too deep; depths that change from frame to frame; and the dual mode
  * within its bound. That all layers give the bits of abuffer and ppc is test_agree's.
  */
+#include "techniques/deep.h"
 #include "techniques/picture.h"
 
 #include <math.h>
@@ -25,45 +26,16 @@ static const char *const backends[] = {"vulkan", "gl"};
 
 /* ---- layers ---------------------------------------------------------------------------------- */
 
-/* The nearest `most` (0: all) samples of each pixel folded as the technique does, and how many
- * there are. */
-static picture fold_nearest(const image_deep *deep, uint32_t width, uint32_t height, uint32_t most,
-                            uint64_t *kept) {
-    picture p = {.width = width, .height = height};
-    p.pixels = malloc((size_t)width * height * 4 * sizeof(float));
-    assert_non_null(p.pixels);
-    *kept = 0;
-    most = most ? most : UINT32_MAX;
-    for (size_t i = 0; i < (size_t)width * height; ++i) {
-        const uint32_t count = deep->count[i] < most ? deep->count[i] : most;
-        float color[4] = {0, 0, 0, 0}, through = 1;
-        for (uint32_t k = 0; k < count; ++k) {
-            const float *sample = deep->color + 4 * (deep->offset[i] + k);
-            for (int c = 0; c < 4; ++c)
-                color[c] = color[c] + through * sample[c];
-            through = through * (1.0f - sample[3]);
-        }
-        for (int c = 0; c < 4; ++c)
-            p.pixels[4 * i + (size_t)c] = color[c] + through * (c < 3 ? 0.2f : 1.0f);
-        *kept += count;
-    }
-    return p;
-}
-
 static void check_layers(strata *instance, const char *backend, const char *path, uint32_t size,
                          uint32_t layers) {
     char setting[64], what[256];
-    uint64_t kept = 0;
     strata_scene *sc = picture_scene(instance, path);
-    const strata_render_options deep = {.struct_size = sizeof deep,
-                                        .width = size,
-                                        .height = size,
-                                        .outputs = STRATA_OUTPUT_DEEP,
-                                        .use = "abuffer,ppc"};
-    if (strata_render(instance, sc, &deep) != STRATA_OK)
-        fail_msg("%s: %s", path, strata_error(instance));
-    const uint64_t total = instance->result.deep.sample_count;
-    picture expected = fold_nearest(&instance->result.deep, size, size, layers, &kept);
+    deep_copy d = deep_of(backend, instance, sc, size, size);
+    picture expected = {.width = size, .height = size};
+    expected.pixels = malloc(d.pixels * 4 * sizeof(float));
+    assert_non_null(expected.pixels);
+    for (size_t i = 0; i < d.pixels; ++i)
+        fold_nearest(&d, i, layers, expected.pixels + 4 * i);
     snprintf(setting, sizeof setting, "peel.layers=%u", layers);
     snprintf(what, sizeof what, "%s on %s, %s", path, backend, setting);
     picture p = picture_render(
@@ -71,13 +43,10 @@ static void check_layers(strata *instance, const char *backend, const char *path
     /* in the row order of the deep image */
     memcpy(p.pixels, instance->result.color.pixels, (size_t)size * size * 4 * sizeof(float));
     picture_same(&expected, &p, what);
-    const render_report *report = &instance->session->report;
-    if (report->total != total || report->kept != kept || report->dropped != total - kept)
-        fail_msg("%s: total %lu of %lu, kept %lu of %lu, dropped %lu", what,
-                 (unsigned long)report->total, (unsigned long)total, (unsigned long)report->kept,
-                 (unsigned long)kept, (unsigned long)report->dropped);
+    deep_check_report(instance, &d, layers, what);
     picture_free(&expected);
     picture_free(&p);
+    deep_free(&d);
     strata_scene_close(sc);
 }
 
