@@ -215,6 +215,7 @@ static void keep_times(json_t *c, const json_t *account, double cpu) {
     json_array_append_new(json_object_get(c, "rounds"), json_deep_copy(frames));
     json_array_append_new(json_object_get(c, "cpu_ms"), json_real(cpu));
     json_object_set(c, "passes", json_object_get(account, "passes"));
+    json_object_set(c, "plan", json_object_get(account, "plan")); /* the plan's own may change */
     json_object_set_new(c, "state", json_string("measured"));
 }
 

@@ -248,11 +248,37 @@ static void say_enough(const judged *j) {
                             cost_of(j, measured, cost), cli_get(measured, "name")));
 }
 
-static void say_own(const judged *j, const json_t *exact) {
-    const char *name = cli_get(json_object_get(j->one, "reference"), "name");
+/* The same techniques with the same settings. */
+static int is_same_plan(const json_t *a, const json_t *b) {
+    size_t i;
+    const json_t *one;
+    if (json_array_size(a) == 0 || json_array_size(a) != json_array_size(b))
+        return 0;
+    json_array_foreach(a, i, one) {
+        const json_t *other = json_array_get(b, i);
+        if (strcmp(cli_get(one, "technique"), cli_get(other, "technique")) != 0 ||
+            !json_equal(json_object_get(one, "settings"), json_object_get(other, "settings")))
+            return 0;
+    }
+    return 1;
+}
+
+/* Of the configuration that the plan chose by itself; "" where none of those listed is it. */
+static const char *name_of_own(const judged *j, const json_t *own) {
     size_t i;
     const json_t *c;
     json_array_foreach(j->configurations, i, c) {
+        if (!is_own(c) && is_same_plan(json_object_get(own, "plan"), json_object_get(c, "plan")))
+            return cli_get(c, "name");
+    }
+    return "";
+}
+
+static void say_own(const judged *j, const json_t *exact) {
+    size_t i;
+    const json_t *c;
+    json_array_foreach(j->configurations, i, c) {
+        const char *name = name_of_own(j, c);
         if (is_own(c) && is_measured(c) && exact && cli_number(exact, "ms") > 0)
             say(j,
                 json_sprintf("The plan's own choice%s%s%s takes %.2f times as long as the fastest "
