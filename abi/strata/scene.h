@@ -28,6 +28,7 @@ typedef struct strata_scene_stats {
     double outside_triangles;      /* estimate: opaque ones of objects outside of the view; likewise */
     double opaque_overdraw;        /* estimate: fragments that opaque triangles, drawn in no order, shade
                                       beyond the first of a pixel; likewise */
+    double mean_optical_depth;     /* estimate: mean of -ln(transmittance) of a transparent fragment; 0 when none */
 } strata_scene_stats;
 
 #ifdef __cplusplus

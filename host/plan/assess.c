@@ -82,15 +82,16 @@ static plan_role role_of(const modules_technique_note *note) {
     return PLAN_ROLES;
 }
 
-const plan_price_in *plan_price_at(const plan_candidate *c, uint32_t layout) {
-    return &c->price[layout < PLAN_LAYOUTS ? layout : STRATA_FRAGMENTS_CONTIGUOUS];
+const plan_price_in *plan_price_at(const plan_candidate *c, costs_form form) {
+    return &c->price[form.layout < COSTS_LAYOUTS ? form.layout : 0]
+                    [form.payload < COSTS_PAYLOADS ? form.payload : 0];
 }
 
-double plan_cost(const plan_work *w, const plan_candidate *c, uint32_t layout, double nearest) {
-    const plan_price_in *price = plan_price_at(c, layout);
+double plan_cost(const plan_work *w, const plan_candidate *c, costs_form form, double nearest) {
+    const plan_price_in *price = plan_price_at(c, form);
     double terms[COSTS_TERMS];
     costs_terms(c->note, w->in->stats, nearest, terms);
-    const double cost = costs_expect(w->in->costs, c->note, layout, price->coefficients, terms);
+    const double cost = costs_expect(w->in->costs, c->note, form, price->coefficients, terms);
     return price->points >= 0 && isfinite(cost) && cost >= 0.0 ? cost : PLAN_NO_COST;
 }
 
@@ -99,14 +100,22 @@ double plan_kept(const plan_candidate *holder) {
     return knob >= 0 && holder->values ? holder->values[knob] : 0.0;
 }
 
+uint32_t plan_stored(const plan_candidate *holder) {
+    const int knob = costs_payload_knob(holder->note);
+    return knob >= 0 && holder->values ? (uint32_t)holder->values[knob] : STRATA_PAYLOAD_FLOAT;
+}
+
 /* With its settings, before it is known what stands beside it. */
 strata_result plan_price(plan_work *w) {
     for (uint32_t i = 0; i < w->count; i++) {
         plan_candidate *c = &w->candidates[i];
-        for (uint32_t layout = 0; layout < PLAN_LAYOUTS; layout++)
-            c->price[layout].points =
-                costs_of(w->in->costs, c->note, layout, c->price[layout].coefficients);
-        c->cost = plan_cost(w, c, STRATA_FRAGMENTS_CONTIGUOUS, plan_kept(c));
+        for (uint32_t layout = 0; layout < COSTS_LAYOUTS; layout++)
+            for (uint32_t payload = 0; payload < COSTS_PAYLOADS; payload++) {
+                plan_price_in *price = &c->price[layout][payload];
+                const costs_form form = {.layout = layout, .payload = payload};
+                price->points = costs_of(w->in->costs, c->note, form, price->coefficients);
+            }
+        c->cost = plan_cost(w, c, (costs_form){.payload = plan_stored(c)}, plan_kept(c));
     }
     return STRATA_OK;
 }

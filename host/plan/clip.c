@@ -56,7 +56,8 @@ static double shading_cost(const plan_work *w) {
  * what is hidden is drawn and shaded all the same, for its bound. */
 static void weigh(const plan_work *w, plan_candidate *c, const plan_candidate *holder) {
     const strata_scene_stats *stats = w->in->stats;
-    const plan_price_in *holds = plan_price_at(holder, w->out->layout);
+    const costs_form form = {.layout = w->out->layout, .payload = w->out->payload.precision};
+    const plan_price_in *holds = plan_price_at(holder, form);
     const double *m = holds->coefficients;
     const char *unnamed = w->in->use ? "not named in --use; " : "";
     double fragments = stats->transparent_fragments;

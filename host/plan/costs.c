@@ -30,6 +30,14 @@ int costs_count_knob(const modules_technique_note *note) {
     return -1;
 }
 
+int costs_payload_knob(const modules_technique_note *note) {
+    for (uint32_t i = 0; i < note->knob_count; i++)
+        if (note->knobs[i]->type == STRATA_KNOB_CHOICE &&
+            strcmp(note->knobs[i]->name, "payload") == 0)
+            return (int)i;
+    return -1;
+}
+
 /* A technique pays for what its slots give it to work on: triangles of the draws it touches,
  * fragments and covered pixels when those are transparent, else all pixels. What reads captured
  * fragments has those that were kept; what keeps the nearest is done after so many layers. */
@@ -98,11 +106,14 @@ int costs_is_unit(const modules_technique_note *note) {
     return is && note->promises && note->promises->order == STRATA_ORDER_APPROXIMATE;
 }
 
-static const char *const layouts[] = {"", ".linked"};
-
-void costs_name(const modules_technique_note *note, uint32_t layout, char name[COSTS_NAME]) {
-    const int other = names(note, "fragments/1", 0) && layout < sizeof layouts / sizeof *layouts;
-    snprintf(name, COSTS_NAME, "%.64s%s", note->id, other ? layouts[layout] : "");
+void costs_name(const modules_technique_note *note, costs_form form, char name[COSTS_NAME]) {
+    static const char *const layouts[COSTS_LAYOUTS] = {"", ".linked"};
+    static const char *const payloads[COSTS_PAYLOADS] = {"", ".half", ".unorm8"};
+    const int meets = names(note, "fragments/1", 0) != NULL,
+              stores = meets || costs_payload_knob(note) >= 0;
+    snprintf(name, COSTS_NAME, "%.60s%s%s", note->id,
+             meets && form.layout < COSTS_LAYOUTS ? layouts[form.layout] : "",
+             stores && form.payload < COSTS_PAYLOADS ? payloads[form.payload] : "");
 }
 
 static costs_technique *find(const costs *c, const char *name) {
@@ -113,26 +124,26 @@ static costs_technique *find(const costs *c, const char *name) {
 }
 
 static const costs_technique *find_in(const costs *c, const modules_technique_note *note,
-                                      uint32_t layout) {
+                                      costs_form form) {
     char name[COSTS_NAME];
-    costs_name(note, layout, name);
+    costs_name(note, form, name);
     return find(c, name);
 }
 
 static const costs_technique *find_near(const costs *c, const modules_technique_note *note,
-                                        uint32_t layout) {
-    const costs_technique *t = find_in(c, note, layout);
-    return t && t->fitted ? t : find_in(c, note, STRATA_FRAGMENTS_CONTIGUOUS);
+                                        costs_form form) {
+    const costs_technique *t = find_in(c, note, form);
+    return t && t->fitted ? t : find_in(c, note, (costs_form){0});
 }
 
-int costs_knows(const costs *c, const modules_technique_note *note, uint32_t layout) {
-    const costs_technique *t = find_in(c, note, layout);
+int costs_knows(const costs *c, const modules_technique_note *note, costs_form form) {
+    const costs_technique *t = find_in(c, note, form);
     return t && t->fitted;
 }
 
-int costs_of(const costs *c, const modules_technique_note *note, uint32_t layout,
+int costs_of(const costs *c, const modules_technique_note *note, costs_form form,
              double coefficients[COSTS_TERMS]) {
-    const costs_technique *t = find_near(c, note, layout);
+    const costs_technique *t = find_near(c, note, form);
     if (!t || !t->fitted)
         return costs_of_module(note, coefficients) ? 0 : -1;
     memcpy(coefficients, t->coefficients, sizeof t->coefficients);
@@ -158,10 +169,10 @@ static double distance(const double a[COSTS_TERMS], const double b[COSTS_TERMS])
 /* By how much terms may differ until a point says half as much: a factor of 1.5. */
 #define ALIKE 0.4
 
-double costs_expect(const costs *c, const modules_technique_note *note, uint32_t layout,
+double costs_expect(const costs *c, const modules_technique_note *note, costs_form form,
                     const double coefficients[COSTS_TERMS], const double terms[COSTS_TERMS]) {
     const double sum = costs_sum(coefficients, terms);
-    const costs_technique *t = find_near(c, note, layout);
+    const costs_technique *t = find_near(c, note, form);
     const costs_point *next = NULL;
     double nearest = HUGE_VAL;
     for (uint32_t i = 0; t && t->fitted && i < t->count; i++) {

@@ -55,6 +55,16 @@ typedef struct costs {
     double ns; /* of a blended fragment; 0: unknown */
 } costs;
 
+/* How fragments are held between what keeps and what folds them: another work for both. Zero is the
+ * form of the modules' coefficients. */
+typedef struct costs_form {
+    uint32_t layout;  /* STRATA_FRAGMENTS_* of fragments/1 */
+    uint32_t payload; /* STRATA_PAYLOAD_* of a record */
+} costs_form;
+
+#define COSTS_LAYOUTS  2u
+#define COSTS_PAYLOADS 3u
+
 /* ---- terms ----------------------------------------------------------------------------------- */
 
 /* What a technique of this note works on in a frame. `nearest`: fragments a pixel that the frame's
@@ -69,28 +79,32 @@ int costs_of_module(const modules_technique_note *note, double coefficients[COST
  * not a way to make pictures. */
 int costs_is_unit(const modules_technique_note *note);
 
-/* What it is measured as: its id, "abuffer"; but where it makes or reads fragments/1 in another
- * layout than the contiguous one (STRATA_FRAGMENTS_*) that is another work, "abuffer.linked". */
-void costs_name(const modules_technique_note *note, uint32_t layout, char name[COSTS_NAME]);
+/* What it is measured as: its id, "abuffer", and what of the form touches it and is not the
+ * modules': "abuffer.linked.half". */
+void costs_name(const modules_technique_note *note, costs_form form, char name[COSTS_NAME]);
 
-/* Those to plan with: measured where there are any (c may be NULL), in this layout or else in the
- * contiguous one. Returns the number of points that they rest on, 0 for the module's, -1 when there
- * are none at all. */
-int costs_of(const costs *c, const modules_technique_note *note, uint32_t layout,
+/* Those to plan with: measured where there are any (c may be NULL), in this form or else in the
+ * modules'. Returns the number of points that they rest on, 0 for the module's, -1 when there are
+ * none at all. */
+int costs_of(const costs *c, const modules_technique_note *note, costs_form form,
              double coefficients[COSTS_TERMS]);
 
-/* Whether it was measured in this very layout. */
-int costs_knows(const costs *c, const modules_technique_note *note, uint32_t layout);
+/* Whether it was measured in this very form. */
+int costs_knows(const costs *c, const modules_technique_note *note, costs_form form);
 
 /* Coefficients times terms; and, where the technique was measured on terms like these, as much more
  * or less as it took there than the coefficients say: all of it for the same terms. */
-double costs_expect(const costs *c, const modules_technique_note *note, uint32_t layout,
+double costs_expect(const costs *c, const modules_technique_note *note, costs_form form,
                     const double coefficients[COSTS_TERMS], const double terms[COSTS_TERMS]);
 double costs_sum(const double coefficients[COSTS_TERMS], const double terms[COSTS_TERMS]);
 
 /* The knob that says how many fragments a pixel keep their place: an INT that trades accuracy.
  * Index or -1. */
 int costs_count_knob(const modules_technique_note *note);
+
+/* The knob that says in which precision it stores payloads, a CHOICE of STRATA_PAYLOAD_* that is
+ * named `payload`. Index or -1. */
+int costs_payload_knob(const modules_technique_note *note);
 
 /* ---- points ---------------------------------------------------------------------------------- */
 

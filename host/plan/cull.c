@@ -17,12 +17,10 @@ static double drawing_cost(const plan_work *w, double share) {
     double cost = 0.0;
     for (uint32_t i = 0; i < w->count; i++) {
         const plan_candidate *c = &w->candidates[i];
+        const double *each = plan_price_at(c, (costs_form){0})->coefficients;
         if (c->chosen && plan_slot(c->note, "draws.opaque/1", STRATA_SLOT_CONSUMES))
-            cost += share *
-                    (plan_price_at(c, STRATA_FRAGMENTS_CONTIGUOUS)->coefficients[COSTS_TRIANGLE] *
-                         (double)stats->opaque_triangles +
-                     plan_price_at(c, STRATA_FRAGMENTS_CONTIGUOUS)->coefficients[COSTS_FRAGMENT] *
-                         stats->opaque_overdraw);
+            cost += share * (each[COSTS_TRIANGLE] * (double)stats->opaque_triangles +
+                             each[COSTS_FRAGMENT] * stats->opaque_overdraw);
     }
     return cost;
 }

@@ -5,6 +5,7 @@
  * touched, so that a stack over one pixel is not mistaken for a thin veil over the whole cell.
  */
 #include "plan/estimate.h"
+#include "plan/opacity.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,8 +28,8 @@ typedef struct cell {
 typedef struct grid {
     uint32_t columns, rows;
     double width, height, cell_width, cell_height, columns_a_pixel, rows_a_pixel;
-    double fragments;
-    uint64_t steps; /* cells touched, the time it took */
+    double fragments, optical_depth; /* sums; the second over the first are a fragment's */
+    uint64_t steps;                  /* cells touched, the time it took */
     cell cells[CELLS][CELLS];
 } grid;
 
@@ -42,6 +43,7 @@ typedef struct instance_view {
     double to_clip[16];
     double radius_x, radius_y; /* clip units an object-space unit of splat radius, times w */
     int cull;                  /* 0 none, 1 clockwise faces, -1 counter-clockwise ones (mirrored) */
+    double optical_depth;      /* of its fragments */
 } instance_view;
 
 /* ---- the grid -------------------------------------------------------------------------------- */
@@ -228,6 +230,13 @@ static int clip_triangle(double (*v)[4]) {
     return count;
 }
 
+static void add_fragments(grid *g, const outline *o, double area, const instance_view *view) {
+    if (!(area > 0.0) || !isfinite(area))
+        return;
+    add_outline(g, o, area);
+    g->optical_depth += area * view->optical_depth;
+}
+
 static void add_triangle(grid *g, const instance_view *view, const scene_mesh *mesh,
                          uint64_t triangle, double weight) {
     double v[MAX_VERTICES][4];
@@ -252,9 +261,7 @@ static void add_triangle(grid *g, const instance_view *view, const scene_mesh *m
     }
     if ((view->cull > 0 && twice < 0.0) || (view->cull < 0 && twice > 0.0))
         return;
-    double area = 0.5 * fabs(twice) * weight;
-    if (area > 0.0 && isfinite(area))
-        add_outline(g, &o, area);
+    add_fragments(g, &o, 0.5 * fabs(twice) * weight, view);
 }
 
 /* A splat is a disc that faces the camera; without a radius it is one pixel. */
@@ -275,9 +282,7 @@ static void add_splat(grid *g, const instance_view *view, const scene_mesh *mesh
         return;
     outline o = {.count = 4, .x = {x0, x1, x1, x0}, .y = {y0, y0, y1, y1}};
     double share = mesh->radii ? 0.785398163397448 : 1.0; /* a disc's of its square */
-    double area = share * (x1 - x0) * (y1 - y0) * weight;
-    if (area > 0.0 && isfinite(area))
-        add_outline(g, &o, area);
+    add_fragments(g, &o, share * (x1 - x0) * (y1 - y0) * weight, view);
 }
 
 /* ---- the scene ------------------------------------------------------------------------------- */
@@ -291,8 +296,8 @@ static int counts(const scene *s, const scene_instance *instance) {
 }
 
 static instance_view view_of(const scene *s, const scene_instance *instance,
-                             const estimate_view *view) {
-    instance_view out = {0};
+                             const estimate_view *view, const double *optical_depths) {
+    instance_view out = {.optical_depth = optical_depths[instance->mesh]};
     const float *w = instance->world, *c = view->world_to_clip;
     double scale = 0.0;
     for (int column = 0; column < 4; column++)
@@ -354,7 +359,8 @@ static uint64_t stride_for(uint64_t primitives, uint64_t samples) {
 }
 
 static void fill_grid(grid *g, const scene *s, const estimate_view *view,
-                      const unsigned char *transparent, uint64_t primitives, uint64_t samples) {
+                      const unsigned char *transparent, const double *optical_depths,
+                      uint64_t primitives, uint64_t samples) {
     uint64_t stride = stride_for(primitives, samples), next = 0, base = 0;
     double weight = (double)primitives / (double)((primitives + stride - 1) / stride);
     for (uint32_t i = 0; i < s->instance_count; i++) {
@@ -364,7 +370,7 @@ static void fill_grid(grid *g, const scene *s, const estimate_view *view,
             continue;
         uint64_t end = base + primitive_count(mesh);
         if (next < end) {
-            instance_view local = view_of(s, instance, view);
+            instance_view local = view_of(s, instance, view, optical_depths);
             for (; next < end; next += stride) {
                 if (mesh->topology == SCENE_TRIANGLES)
                     add_triangle(g, &local, mesh, next - base, weight);
@@ -387,9 +393,24 @@ static uint64_t affordable(const grid *pilot, uint64_t samples) {
 }
 
 static void reset(grid *g) {
-    g->fragments = 0.0;
+    g->fragments = g->optical_depth = 0.0;
     g->steps = 0;
     memset(g->cells, 0, sizeof g->cells);
+}
+
+/* Once, or once more after a few samples that say how many the time allows. */
+static void fill(grid *g, const scene *s, const estimate_view *view,
+                 const unsigned char *transparent, double *optical_depths, uint64_t primitives) {
+    uint64_t samples = ESTIMATE_MAX_SAMPLES;
+    for (uint32_t i = 0; i < s->mesh_count; i++)
+        if (transparent[s->meshes[i].material])
+            optical_depths[i] = opacity_optical_depth(s, &s->meshes[i]);
+    if (primitives > 4 * PILOT_SAMPLES) {
+        fill_grid(g, s, view, transparent, optical_depths, primitives, PILOT_SAMPLES);
+        samples = affordable(g, PILOT_SAMPLES);
+        reset(g);
+    }
+    fill_grid(g, s, view, transparent, optical_depths, primitives, samples);
 }
 
 static void summarise(const grid *g, strata_scene_stats *out) {
@@ -407,6 +428,7 @@ static void summarise(const grid *g, strata_scene_stats *out) {
         out->largest_depth = fmax(out->largest_depth, 1.0);
         out->covered_pixels = fmin(out->covered_pixels, g->width * g->height);
         out->mean_depth = g->fragments / out->covered_pixels;
+        out->mean_optical_depth = g->optical_depth / g->fragments;
     }
 }
 
@@ -428,17 +450,15 @@ strata_result estimate_stats(const scene *s, const estimate_view *view,
     if (result != STRATA_OK || primitives == 0)
         return result;
     grid *g = grid_create(view);
-    if (!g)
-        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory for an estimate",
-                         s->path);
-    uint64_t samples = ESTIMATE_MAX_SAMPLES;
-    if (primitives > 4 * PILOT_SAMPLES) {
-        fill_grid(g, s, view, transparent, primitives, PILOT_SAMPLES);
-        samples = affordable(g, PILOT_SAMPLES);
-        reset(g);
-    }
-    fill_grid(g, s, view, transparent, primitives, samples);
-    summarise(g, out);
+    double *optical_depths = base_calloc(s->mesh_count, sizeof *optical_depths);
+    if (g && optical_depths)
+        fill(g, s, view, transparent, optical_depths, primitives);
+    if (g && optical_depths)
+        summarise(g, out);
+    else
+        result = base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory for an estimate",
+                           s->path);
+    free(optical_depths);
     free(g);
-    return STRATA_OK;
+    return result;
 }

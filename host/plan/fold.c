@@ -22,6 +22,9 @@ typedef struct search {
     plan_candidate *named[PLAN_ROLES]; /* of the three roles, NULL = left open */
     way best;
     uint32_t ways; /* that were open to the choice */
+    int within;    /* 1: of a budget */
+    double room;
+    way fitting, cheapest; /* the best that fits; what comes closest */
 } search;
 
 static const char *const layouts[] = {"contiguous", "linked"};
@@ -88,6 +91,10 @@ static int check_frame(const plan_work *w, plan_candidate *c) {
     }
     if (w->in->need_fragments && p && !is_exact(c)) {
         plan_reason(c, "deep output needs every fragment, which it does not keep");
+        return 1;
+    }
+    if (plan_stored(c) >= COSTS_PAYLOADS) {
+        plan_reason(c, "of payloads this host knows float, half and unorm8 only");
         return 1;
     }
     if (c->role == PLAN_CAPTURE || !is_bounded(c))
@@ -202,10 +209,14 @@ static void note_way(plan_candidate *c, double cost) {
         c->compared = cost;
 }
 
+plan_candidate *plan_holder(const way *candidate) {
+    return candidate->capture ? candidate->capture : candidate->fold;
+}
+
 /* A resolve is paid for what the capture keeps. */
 static double part_cost(const plan_work *w, const way *candidate, const plan_candidate *part) {
-    const plan_candidate *holder = candidate->capture ? candidate->capture : candidate->fold;
-    const double cost = plan_cost(w, part, candidate->layout, plan_kept(holder));
+    const plan_candidate *holder = plan_holder(candidate);
+    const double cost = plan_cost(w, part, candidate->form, plan_kept(holder));
     return cost == PLAN_NO_COST ? cost : cost * plan_recordings(w, holder);
 }
 
@@ -227,8 +238,6 @@ static double weighed(const way *candidate) {
 }
 
 static void consider(search *s, way candidate) {
-    if (!is_open(s, &candidate))
-        return;
     candidate.cost = cost_of(s->w, &candidate);
     note_way(candidate.capture, candidate.cost);
     note_way(candidate.fold, candidate.cost);
@@ -237,101 +246,117 @@ static void consider(search *s, way candidate) {
         s->best = candidate;
 }
 
-/* Other layouts than the one agreed upon only where both were measured in both. */
-static void consider_layouts(search *s, const way *agreed) {
+static int is_known(const search *s, const way *candidate) {
     const costs *c = s->w->in->costs;
-    const modules_technique_note *from = agreed->capture->note, *to = agreed->fold->note;
-    const int mode = plan_knob(from, "mode");
-    if (mode < 0 || (agreed->capture->set_knobs >> mode & 1u) ||
-        !costs_knows(c, from, agreed->layout) || !costs_knows(c, to, agreed->layout))
+    return costs_knows(c, candidate->fold->note, candidate->form) &&
+           (!candidate->capture || costs_knows(c, candidate->capture->note, candidate->form));
+}
+
+/* Whether the plan may take the layout where another was agreed upon. */
+static int may_lay_out(const way *agreed, uint32_t layout) {
+    const int mode = agreed->capture ? plan_knob(agreed->capture->note, "mode") : -1;
+    return layout == agreed->form.layout ||
+           (mode >= 0 && !(agreed->capture->set_knobs >> mode & 1u) &&
+            (both_know(agreed->capture->note, agreed->fold->note) >> layout & 1u));
+}
+
+/* Where payloads may be traded for time. */
+static int may_store(const search *s, const way *agreed, uint32_t payload) {
+    const plan_candidate *holder = plan_holder(agreed);
+    return payload == agreed->form.payload ||
+           (s->within && plan_free_payload(holder) &&
+            payload <= holder->note->knobs[costs_payload_knob(holder->note)]->maximum);
+}
+
+/* The way in the form that is agreed upon; in other forms only where both were measured in both. */
+static void take_forms(search *s, way agreed, void (*take)(search *, way)) {
+    agreed.form.payload = plan_stored(plan_holder(&agreed));
+    if (!is_open(s, &agreed))
         return;
-    for (uint32_t layout = 0; layout < PLAN_LAYOUTS; layout++) {
-        way other = *agreed;
-        other.layout = layout;
-        if (layout != agreed->layout && (both_know(from, to) >> layout & 1u) &&
-            costs_knows(c, from, layout) && costs_knows(c, to, layout))
-            consider(s, other);
+    take(s, agreed);
+    for (uint32_t i = 0; i < COSTS_LAYOUTS * COSTS_PAYLOADS && is_known(s, &agreed); i++) {
+        way other = agreed;
+        other.form = (costs_form){.layout = i / COSTS_PAYLOADS, .payload = i % COSTS_PAYLOADS};
+        const int same =
+            other.form.layout == agreed.form.layout && other.form.payload == agreed.form.payload;
+        if (!same && may_lay_out(&agreed, other.form.layout) &&
+            may_store(s, &agreed, other.form.payload) && is_known(s, &other))
+            take(s, other);
     }
 }
 
-static void enumerate(search *s) {
+/* All ways whose holder may take part. */
+static void take_ways(search *s, int (*may)(const plan_work *, plan_candidate *),
+                      void (*take)(search *, way)) {
     plan_work *w = s->w;
     for (uint32_t i = 0; i < w->count; i++) {
         plan_candidate *first = &w->candidates[i];
-        if (!folds(first) || !eligible(w, first))
+        if ((first->role != PLAN_CAPTURE && first->role != PLAN_STREAM) || !may(w, first))
             continue;
         if (first->role == PLAN_STREAM)
-            consider(s, (way){.fold = first});
+            take_forms(s, (way){.fold = first}, take);
         for (uint32_t k = 0; first->role == PLAN_CAPTURE && k < w->count; k++) {
             plan_candidate *second = &w->candidates[k];
             way pair = {.capture = first, .fold = second};
             if (second->role == PLAN_RESOLVE && eligible(w, second) &&
-                agree(first, second, &pair.layout)) {
-                consider(s, pair);
-                consider_layouts(s, &pair);
-            }
+                agree(first, second, &pair.form.layout))
+                take_forms(s, pair, take);
         }
     }
 }
 
 /* ---- within a budget ------------------------------------------------------------------------- */
 
-/* One that keeps the nearest, as many as its knob says; whether promises hold with it all does not
- * matter here. */
-static int may_keep_less(const plan_work *w, plan_candidate *c) {
-    return !c->blocked && plan_free_knob(c) >= 0 && (c->named || plan_certifies(c)) &&
-           !check_frame(w, c);
+/* Whether accuracy can be traded for time with it, and with a bound: by its payload, or by how many
+ * fragments it keeps, whether its promises hold with as many or not. */
+static int may_give(const plan_work *w, plan_candidate *c) {
+    const strata_promises *p = c->note->promises;
+    if (c->blocked || !p || p->order == STRATA_ORDER_APPROXIMATE || check_frame(w, c) ||
+        !(c->named || plan_certifies(c)))
+        return 0;
+    return plan_free_count(c) ||
+           (plan_free_payload(c) && (c->named || (is_exact(c) && !is_too_deep(w, c))));
 }
 
-/* The more is kept the better, then the cheaper; where nothing fits, the cheapest. */
-static void consider_within(search *s, way candidate, double room, way *best, way *cheapest) {
-    if (!is_open(s, &candidate))
+/* The less the expected error the better, then the cheaper; where nothing fits, the cheapest. What
+ * keeps all and was late is not expected to fit again. */
+static void consider_within(search *s, way candidate) {
+    const int fits = plan_fit_way(s->w, &candidate, s->room);
+    if (!(candidate.keeps > 0.0) && (s->w->in->late >> candidate.form.payload & 1u))
         return;
-    const int fits = plan_fit_way(s->w, &candidate, room);
-    if (fits && (!best->fold || candidate.keeps > best->keeps ||
-                 (candidate.keeps == best->keeps && candidate.cost < best->cost)))
-        *best = candidate;
-    if (!fits && (!cheapest->fold || candidate.cost < cheapest->cost))
-        *cheapest = candidate;
+    if (fits && (!s->fitting.fold || candidate.error < s->fitting.error ||
+                 (candidate.error == s->fitting.error && candidate.cost < s->fitting.cost)))
+        s->fitting = candidate;
+    if (!fits && (!s->cheapest.fold || candidate.cost < s->cheapest.cost))
+        s->cheapest = candidate;
 }
 
 /* What promises no bound may be the last resort. */
-static void consider_approximate(search *s, plan_candidate *c, way *cheapest) {
+static void consider_approximate(search *s, plan_candidate *c) {
     way candidate = {.fold = c, .cost = c->cost == PLAN_NO_COST ? HUGE_VAL : c->cost};
     if (c->role == PLAN_STREAM && !c->blocked && c->note->promises &&
         plan_promised_order(c) == STRATA_ORDER_APPROXIMATE && !costs_is_unit(c->note) &&
         is_open(s, &candidate) && !check_frame(s->w, c) &&
-        (!cheapest->fold || candidate.cost < cheapest->cost))
-        *cheapest = candidate;
+        (!s->cheapest.fold || candidate.cost < s->cheapest.cost))
+        s->cheapest = candidate;
 }
 
 /* Takes the place of what was chosen, where that is not exact or not fast enough. */
 static strata_result choose_within(search *s) {
     plan_work *w = s->w;
-    const double room = plan_room(w);
     const int exact =
         s->best.fold && is_exact(s->best.fold) && (!s->best.capture || is_exact(s->best.capture));
-    way best = {0}, cheapest = exact ? s->best : (way){0};
-    if (exact && !w->in->late && s->best.cost <= room)
+    s->room = plan_room(w);
+    if (exact && !(w->in->late >> s->best.form.payload & 1u) && s->best.cost <= s->room)
         return STRATA_OK;
-    for (uint32_t i = 0; i < w->count; i++) {
-        plan_candidate *first = &w->candidates[i];
-        if (first->role == PLAN_STREAM && may_keep_less(w, first))
-            consider_within(s, (way){.fold = first}, room, &best, &cheapest);
-        for (uint32_t k = 0; first->role == PLAN_CAPTURE && may_keep_less(w, first) && k < w->count;
-             k++) {
-            plan_candidate *second = &w->candidates[k];
-            way pair = {.capture = first, .fold = second};
-            if (second->role == PLAN_RESOLVE && eligible(w, second) &&
-                agree(first, second, &pair.layout))
-                consider_within(s, pair, room, &best, &cheapest);
-        }
-    }
-    for (uint32_t i = 0; i < w->count && !best.fold; i++)
-        consider_approximate(s, &w->candidates[i], &cheapest);
-    if (best.fold || cheapest.fold)
-        s->best = best.fold ? best : cheapest;
-    if (best.fold || !cheapest.fold)
+    s->within = 1;
+    s->cheapest = exact ? s->best : (way){0};
+    take_ways(s, may_give, consider_within);
+    for (uint32_t i = 0; i < w->count && !s->fitting.fold; i++)
+        consider_approximate(s, &w->candidates[i]);
+    if (s->fitting.fold || s->cheapest.fold)
+        s->best = s->fitting.fold ? s->fitting : s->cheapest;
+    if (s->fitting.fold || !s->cheapest.fold)
         return STRATA_OK;
     return plan_warn(
         w,
@@ -339,7 +364,7 @@ static strata_result choose_within(search *s) {
             ? "%s has no bound of its error; nothing else is expected to come as "
               "close to the budget of %.3g ms"
             : "%s is the fastest way; it is not expected to meet the budget of %.3g ms",
-        (s->best.capture ? s->best.capture : s->best.fold)->note->id, w->in->budget);
+        plan_holder(&s->best)->note->id, w->in->budget);
 }
 
 static strata_result fail_none(const search *s) {
@@ -363,7 +388,7 @@ static strata_result fail_none(const search *s) {
 
 static void describe_choice(const search *s) {
     const way *b = &s->best;
-    plan_candidate *first = b->capture ? b->capture : b->fold;
+    plan_candidate *first = plan_holder(b);
     char cost[48], count[32];
     int exact = is_exact(b->fold) && (!b->capture || is_exact(b->capture));
     cost_text(s->w, b->cost, cost);
@@ -376,7 +401,7 @@ static void describe_choice(const search *s) {
         else if (s->ways == 1)
             plan_reason(c, "the only %sway to fold transparent fragments%s%s",
                         exact ? "exact " : "", partner ? ", with " : "", partner ? partner : "");
-        else if (b->keeps > 0.0)
+        else if (b->keeps > 0.0 || s->fitting.fold)
             plan_reason(c, "folds about %s fragments%s%s: %s%s", count, partner ? ", with " : "",
                         partner ? partner : "", cost,
                         s->w->in->stats->transparent_fragments > 0.0 ? " x floor" : "");
@@ -437,25 +462,20 @@ static strata_result settle(search *s) {
     plan *p = s->w->out;
     p->transparent = 1;
     p->captures = b->capture != NULL;
-    p->layout = b->layout;
-    const plan_candidate *holder = b->capture ? b->capture : b->fold;
+    p->layout = b->form.layout;
+    const plan_candidate *holder = plan_holder(b);
     p->nearest = nearest_of(holder);
-    int payload = plan_knob(holder->note, "payload");
-    p->payload.precision = payload >= 0 ? (uint32_t)holder->values[payload] : STRATA_PAYLOAD_FLOAT;
-    if (p->payload.precision > STRATA_PAYLOAD_UNORM8)
-        return base_fail(s->w->err, STRATA_ERROR_UNSUPPORTED,
-                         "%s.payload: this host knows float, half and unorm8 only",
-                         holder->note->id);
+    p->payload.precision = plan_stored(holder);
     int mode = b->capture ? plan_knob(b->capture->note, "mode") : -1;
-    if (mode < 0 || b->capture->values[mode] == (double)b->layout)
+    if (mode < 0 || b->capture->values[mode] == (double)b->form.layout)
         return STRATA_OK;
     uint32_t agreed;
-    const int cheaper = agree(b->capture, b->fold, &agreed) && agreed != b->layout;
-    b->capture->values[mode] = (double)b->layout;
+    const int cheaper = agree(b->capture, b->fold, &agreed) && agreed != b->form.layout;
+    b->capture->values[mode] = (double)b->form.layout;
     size_t length = strlen(b->capture->reason);
     snprintf(b->capture->reason + length, sizeof b->capture->reason - length,
              cheaper ? "; as measured, mode %s costs less" : "; mode %s, which %s reads",
-             layouts[b->layout], b->fold->note->id);
+             layouts[b->form.layout], b->fold->note->id);
     return STRATA_OK;
 }
 
@@ -481,7 +501,7 @@ strata_result plan_choose_fold(plan_work *w) {
     strata_result result = find_named(&s);
     if (result != STRATA_OK)
         return result;
-    enumerate(&s);
+    take_ways(&s, eligible, consider);
     if (plan_has_budget(w->in))
         result = choose_within(&s);
     if (result != STRATA_OK)

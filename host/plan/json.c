@@ -111,7 +111,7 @@ static json_t *fragments_json(const plan *p) {
 
 static json_t *estimate_json(const strata_scene_stats *s) {
     return json_pack(
-        "{so so so so so so so so so so so so so}", "instances", number(s->instances),
+        "{so so so so so so so so so so so so so so}", "instances", number(s->instances),
         "opaque_draws", number((double)s->opaque_draws), "transparent_draws",
         number((double)s->transparent_draws), "opaque_triangles",
         number((double)s->opaque_triangles), "transparent_triangles",
@@ -120,7 +120,8 @@ static json_t *estimate_json(const strata_scene_stats *s) {
         "mean_depth", number(s->mean_depth), "largest_depth", number(s->largest_depth),
         "opaque_objects", number((double)s->opaque_objects), "hidden_triangles",
         number(round(s->hidden_triangles)), "outside_triangles",
-        number(round(s->outside_triangles)), "opaque_overdraw", number(round(s->opaque_overdraw)));
+        number(round(s->outside_triangles)), "opaque_overdraw", number(round(s->opaque_overdraw)),
+        "mean_optical_depth", number(s->mean_optical_depth));
 }
 
 /* What a budget turns, null when it turns nothing. */

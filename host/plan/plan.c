@@ -17,7 +17,8 @@ static strata_result no_memory(base_error *err) {
 /* ---- output ---------------------------------------------------------------------------------- */
 
 static uint32_t points_of(const plan *p, const plan_candidate *c) {
-    const int points = plan_price_at(c, p->layout)->points;
+    const costs_form form = {.layout = p->layout, .payload = p->payload.precision};
+    const int points = plan_price_at(c, form)->points;
     return points > 0 ? (uint32_t)points : 0;
 }
 

@@ -52,7 +52,8 @@ typedef struct plan_input {
     double budget;      /* ms that a frame may take, 0 = any; not under a tolerance */
     double beside;      /* ms of that which go to other things than passes */
     double ns;          /* of a blended fragment, as frames before took it; 0 = as `costs` say */
-    uint32_t late;      /* 1: exact frames were measured, and miss the budget */
+    uint32_t late; /* bit i: frames that keep all at STRATA_PAYLOAD_ i were measured, and miss the
+                      budget */
 } plan_input;
 
 /* ---- output ---------------------------------------------------------------------------------- */

@@ -28,9 +28,7 @@ typedef enum plan_role { /* what a stage is to a frame; the order is that of the
                          PLAN_ROLES
 } plan_role;
 
-#define PLAN_LAYOUTS 2u /* STRATA_FRAGMENTS_* that the plan tells apart */
-
-/* What a technique costs where fragments/1 has one layout or the other. */
+/* What a technique costs where fragments are held in one form or another. */
 typedef struct plan_price_in {
     double coefficients[COSTS_TERMS]; /* zeros when unknown */
     int points;                       /* see costs_of */
@@ -46,7 +44,7 @@ typedef struct plan_candidate {
     uint64_t set_knobs; /* bit i: knob i was set by the user */
     double *values;
     double cost; /* alone, PLAN_NO_COST when unknown */
-    plan_price_in price[PLAN_LAYOUTS];
+    plan_price_in price[COSTS_LAYOUTS][COSTS_PAYLOADS];
     uint32_t ways;   /* to fold with it, of those open to the choice */
     double compared; /* of the cheapest of them, PLAN_NO_COST when there is none or it is unknown */
     char reason[256];
@@ -104,20 +102,24 @@ int plan_certifies(const plan_candidate *c);
 /* One way to fold. capture is NULL for a stream technique, which stands in `fold`. */
 typedef struct plan_way {
     plan_candidate *capture, *fold;
-    uint32_t layout;
+    costs_form form;
     double cost;  /* HUGE_VAL when unknown */
-    double keeps; /* under a budget: how many fragments a pixel, 0 = all */
+    double keeps; /* under a budget: how many fragments a pixel, 0 = what its settings say */
+    double error; /* under a budget: that is expected */
 } plan_way;
+
+plan_candidate *plan_holder(const plan_way *candidate); /* what holds a pixel's fragments */
 
 double plan_ns(const plan_input *in);      /* of a blended fragment, 0 = unknown */
 int plan_has_budget(const plan_input *in); /* that decides */
 double plan_room(const plan_work *w);      /* what the fold may cost; HUGE_VAL: unknown */
-/* The knob that may be turned to fit a budget; -1 when there is none. */
-int plan_free_knob(const plan_candidate *holder);
-/* Sets keeps and cost to the most that fits into `room`; 0: even the least does not, and that is
- * what they are set to. */
+/* Whether the user leaves open in which precision it stores, or how many it keeps. */
+int plan_free_payload(const plan_candidate *holder);
+int plan_free_count(const plan_candidate *holder);
+/* Sets keeps, cost and error to the most that fits into `room`; 0: even the least does not, and
+ * that is what they are set to. */
 int plan_fit_way(const plan_work *w, plan_way *candidate, double room);
-/* Turns the way's holder to what it keeps, and notes that in the plan. */
+/* Sets the way's holder to what it keeps and how it stores it, and notes what is turned. */
 void plan_settle_budget(plan_work *w, const plan_way *chosen);
 void plan_explain_budget(plan_work *w, const plan_way *chosen);
 
@@ -128,11 +130,12 @@ strata_result plan_assess(plan_work *w);  /* what is named, and what is blocked 
 plan_candidate *plan_candidate_find(const plan_work *w, const char *id);
 const strata_slot_use *plan_slot(const modules_technique_note *note, const char *slot,
                                  uint32_t use); /* NULL: it has no such use; use 0 = any */
-const plan_price_in *plan_price_at(const plan_candidate *c, uint32_t layout);
-/* In a layout of fragments/1, where what holds a pixel's fragments keeps the nearest so many, 0 =
- * all; PLAN_NO_COST. */
-double plan_cost(const plan_work *w, const plan_candidate *c, uint32_t layout, double nearest);
-double plan_kept(const plan_candidate *holder); /* what it keeps with its settings, 0 = all */
+const plan_price_in *plan_price_at(const plan_candidate *c, costs_form form);
+/* In this form, where what holds a pixel's fragments keeps the nearest so many, 0 = all;
+ * PLAN_NO_COST. */
+double plan_cost(const plan_work *w, const plan_candidate *c, costs_form form, double nearest);
+double plan_kept(const plan_candidate *holder);     /* with its settings, 0 = all */
+uint32_t plan_stored(const plan_candidate *holder); /* STRATA_PAYLOAD_* with its settings */
 int plan_host_fills(const char *slot);
 void plan_reason(plan_candidate *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
 

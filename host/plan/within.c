@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Planning within a budget of time: exact where that is expected to fit, else as many of the
- * nearest fragments as fit. Expectations rest on what was measured, in the sweep or in the frames
- * before; where nothing was, exactness is tried first, and the frames tell.
+ * Planning within a budget of time: exact where that is expected to fit, else the least error that
+ * does: records of less precision, or the nearest fragments alone. Expectations rest on what was
+ * measured, in the sweep or in the frames before; where nothing was, exactness is tried first, and
+ * the frames tell.
  */
 #include "plan/plan_internal.h"
 
@@ -31,71 +32,118 @@ double plan_room(const plan_work *w) {
     return room;
 }
 
-int plan_free_knob(const plan_candidate *holder) {
-    const int knob = costs_count_knob(holder->note);
+static int is_free(const plan_candidate *c, int knob) {
+    return knob >= 0 && !(c->set_knobs >> knob & 1u);
+}
+
+int plan_free_payload(const plan_candidate *holder) {
+    const int knob = costs_payload_knob(holder->note);
+    return is_free(holder, knob) && holder->note->knobs[knob]->trades_accuracy;
+}
+
+int plan_free_count(const plan_candidate *holder) {
     const strata_promises *p = holder->note->promises;
-    return knob >= 0 && p && p->order != STRATA_ORDER_APPROXIMATE &&
-                   !(holder->set_knobs >> knob & 1u)
-               ? knob
-               : -1;
+    return p && p->order != STRATA_ORDER_APPROXIMATE &&
+           is_free(holder, costs_count_knob(holder->note));
+}
+
+static const strata_knob *count_knob(const plan_candidate *holder) {
+    return holder->note->knobs[costs_count_knob(holder->note)];
 }
 
 static double least(const plan_candidate *holder) {
-    return fmax(1.0, holder->note->knobs[plan_free_knob(holder)]->minimum);
+    return fmax(1.0, count_knob(holder)->minimum);
 }
 
 /* No more than there are in the deepest pixel. */
 static double most(const plan_work *w, const plan_candidate *holder) {
-    const double limit = holder->note->knobs[plan_free_knob(holder)]->maximum;
-    return fmax(least(holder), fmin(limit, ceil(w->in->stats->largest_depth)));
+    return fmax(least(holder),
+                fmin(count_knob(holder)->maximum, ceil(w->in->stats->largest_depth)));
 }
 
 static double cost_at(const plan_work *w, const plan_way *way, double keeps) {
-    const double fold = plan_cost(w, way->fold, way->layout, keeps),
-                 capture = way->capture ? plan_cost(w, way->capture, way->layout, keeps) : 0.0;
+    const double fold = plan_cost(w, way->fold, way->form, keeps),
+                 capture = way->capture ? plan_cost(w, way->capture, way->form, keeps) : 0.0;
     return fold == PLAN_NO_COST || capture == PLAN_NO_COST ? HUGE_VAL : fold + capture;
 }
 
+/* That of a colour of about 1, and of the alpha that hides what is behind it: half a quantum each.
+ */
+static double payload_error(uint32_t payload) {
+    static const double quanta[COSTS_PAYLOADS] = {0.0, 0x1p-10, 1.0 / 255.0};
+    return quanta[payload];
+}
+
+/* What is dropped behind the nearest so many in the deepest pixel, as bright as 1, seen through as
+ * many fragments of the mean transmittance. Where these hide nothing, each still adds to the sum.
+ */
+static double dropped_error(const plan_work *w, double keeps) {
+    const strata_scene_stats *stats = w->in->stats;
+    const double each = fmax(stats->mean_optical_depth, 1e-3);
+    return keeps < stats->largest_depth ? exp(-each * keeps) - exp(-each * stats->largest_depth)
+                                        : 0.0;
+}
+
+static void keep(const plan_work *w, plan_way *way, double keeps) {
+    way->keeps = keeps;
+    way->cost = cost_at(w, way, keeps > 0.0 ? keeps : plan_kept(plan_holder(way)));
+    way->error = payload_error(way->form.payload) + (keeps > 0.0 ? dropped_error(w, keeps) : 0.0);
+}
+
+/* The more are kept the dearer: the most that fits is found by halving. */
 int plan_fit_way(const plan_work *w, plan_way *way, double room) {
-    const plan_candidate *holder = way->capture ? way->capture : way->fold;
-    for (way->keeps = most(w, holder);; way->keeps -= 1.0) {
-        way->cost = cost_at(w, way, way->keeps);
-        if (way->cost <= room)
-            return 1;
-        if (way->keeps - 1.0 < least(holder))
-            return 0;
+    const plan_candidate *holder = plan_holder(way);
+    const int turns = plan_free_count(holder);
+    double fits = turns ? least(holder) : 0.0, misses = turns ? most(w, holder) : 0.0;
+    keep(w, way, misses);
+    if (way->cost <= room)
+        return 1;
+    keep(w, way, fits);
+    if (way->cost > room)
+        return 0;
+    while (misses - fits > 1.0) {
+        const double middle = floor(0.5 * (fits + misses));
+        keep(w, way, middle);
+        *(way->cost <= room ? &fits : &misses) = middle;
     }
+    keep(w, way, fits);
+    return 1;
 }
 
 void plan_settle_budget(plan_work *w, const plan_way *chosen) {
-    plan_candidate *holder = chosen->capture ? chosen->capture : chosen->fold;
+    plan_candidate *holder = plan_holder(chosen);
+    const int payload = costs_payload_knob(holder->note), count = costs_count_knob(holder->note);
+    if (payload >= 0)
+        holder->values[payload] = chosen->form.payload;
     if (!(chosen->keeps > 0.0))
         return;
-    const int knob = plan_free_knob(holder);
-    holder->values[knob] = chosen->keeps;
+    holder->values[count] = chosen->keeps;
     w->out->turned = holder->note;
-    w->out->turned_knob = (uint32_t)knob;
+    w->out->turned_knob = (uint32_t)count;
     w->out->turned_least = least(holder);
     w->out->turned_most = most(w, holder);
 }
 
 /* Adds to the reason of what holds. */
 void plan_explain_budget(plan_work *w, const plan_way *chosen) {
-    plan_candidate *c = chosen->capture ? chosen->capture : chosen->fold;
+    static const char *const stored[COSTS_PAYLOADS] = {"", ", payload half", ", payload unorm8"};
+    plan_candidate *c = plan_holder(chosen);
     const double ns = plan_ns(w->in), room = plan_room(w), budget = w->in->budget;
+    const uint32_t payload = chosen->form.payload;
     const size_t length = strlen(c->reason), size = sizeof c->reason;
     char *text = c->reason + length;
     if (chosen->keeps > 0.0)
         snprintf(
             text, size - length,
             "; for the budget of %.3g ms it begins with the nearest %.0f of up to %.0f fragments "
-            "a pixel%s",
-            budget, chosen->keeps, ceil(w->in->stats->largest_depth),
+            "a pixel%s%s",
+            budget, chosen->keeps, ceil(w->in->stats->largest_depth), stored[payload],
             chosen->cost <= room ? "" : ", though that is expected to miss it");
     else if (!(ns > 0.0))
         snprintf(text, size - length, "; whether the budget of %.3g ms is met is not known yet",
                  budget);
     else
-        snprintf(text, size - length, "; the budget of %.3g ms is expected to be %s", budget,
-                 chosen->cost <= room && !w->in->late ? "met" : "missed");
+        snprintf(text, size - length, "%s; the budget of %.3g ms is expected to be %s",
+                 stored[payload], budget,
+                 chosen->cost <= room && !(w->in->late >> payload & 1u) ? "met" : "missed");
 }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * Frames within a budget of time. The plan begins with what is expected to fit; the frames tell
- * whether it does. Exact frames that take too long are given up for the nearest fragments, whose
- * number the feedback rule (plan/budget.h) then turns, in the session as it is.
+ * whether it does. Frames that keep all and take too long are given up for records of less
+ * precision or for the nearest fragments, whose number the feedback rule (plan/budget.h) then
+ * turns, in the session as it is.
  */
 #include "render/render.h"
 
@@ -80,9 +81,10 @@ static strata_result plan_again(strata *s, base_error *err) {
 static strata_result judge_fixed(strata *s, base_error *err) {
     render_budget *b = &s->budget;
     const double much = b->judged >= 2 ? BUDGET_MET : AT_ONCE;
-    if (b->late || b->ms <= much * b->asked)
+    const uint32_t stored = 1u << s->session->plan->payload.precision;
+    if ((b->late & stored) || b->ms <= much * b->asked)
         return STRATA_OK;
-    b->late = 1;
+    b->late |= stored;
     return plan_again(s, err);
 }
 

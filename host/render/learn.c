@@ -38,9 +38,10 @@ static int is_layout(const modules_technique_note *note, const strata_knob *knob
 /* Points are taken with knobs at their presets, but for those that the terms or the name tell:
  * others are of another technique, so to say. */
 static int is_typical(const plan_technique *t) {
-    const int count = costs_count_knob(t->technique);
+    const int count = costs_count_knob(t->technique), payload = costs_payload_knob(t->technique);
     for (uint32_t i = 0; i < t->technique->knob_count; ++i)
-        if ((int)i != count && !is_layout(t->technique, t->technique->knobs[i]) &&
+        if ((int)i != count && (int)i != payload &&
+            !is_layout(t->technique, t->technique->knobs[i]) &&
             t->values[i] != t->technique->knobs[i]->preset)
             return 0;
     return 1;
@@ -71,6 +72,8 @@ int render_learn_frame(const strata *s, costs *c) {
     const render_session *session = s->session;
     const render_result *result = &s->result;
     const render_figures *last = &result->frames[result->frame_count - 1];
+    const costs_form form = {.layout = session->plan->layout,
+                             .payload = session->plan->payload.precision};
     double terms[COSTS_TERMS];
     char name[COSTS_NAME];
     int learnt = 0;
@@ -80,7 +83,7 @@ int render_learn_frame(const strata *s, costs *c) {
         const plan_technique *t = &session->plan->techniques[i];
         const double ms = time_of(result, t->technique->id);
         costs_terms(t->technique, &session->plan->stats, kept_by(session->plan), terms);
-        costs_name(t->technique, session->plan->layout, name);
+        costs_name(t->technique, form, name);
         learnt |= is_typical(t) && costs_add(c, name, terms, ms);
     }
     return learnt;

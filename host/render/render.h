@@ -228,7 +228,7 @@ typedef struct render_budget {
     double ns;       /* of a blended fragment, where passes are not timed; 0: unknown */
     double ms;       /* mean of the last frames that were judged, with one plan and knob */
     uint32_t judged; /* of them; what they say of `late` wants two */
-    uint32_t late;   /* exact frames were judged, and take too long */
+    uint32_t late;   /* see plan_input: frames that keep all were judged, and take too long */
     uint32_t replan; /* 1: the next frame wants another plan */
     uint32_t replans;
     uint32_t retried;   /* 1: exactness was weighed again, at the most that the knob takes */

@@ -77,6 +77,9 @@ if [ "$(get before.json measured_on)" = null ] && [ -s "$learnt" ] && clean; the
     [ "$(get out measured_on)" != null ] && [ "$(get out ms)" != null ] &&
         [ "$(get out techniques/1/points)" = 1 ] && [ "$(get out techniques/0/points)" = 1 ]
     verdict 'what was learnt is said'
+    run render $scene $size -o x.png --repeat 3 --learn --use abuffer,ppc --set abuffer.payload=half
+    grep -q '"abuffer.half"' "$learnt" && grep -q '"ppc.half"' "$learnt" && grep -q '"abuffer"' "$learnt"
+    verdict 'records of less precision are learnt apart'
     echo '{"format":1,"device":7}' >"$learnt"
     run plan $scene $size --json
     [ "$status" -eq 0 ] && is_line 'is ignored' && [ "$(get out measured_on)" = null ]

@@ -58,6 +58,14 @@ static const strata_knob payload = {
     .choices = (const char *const[]){"float", "half", "unorm8", NULL},
     .trades_accuracy = 1,
 };
+static const strata_knob other_payload = {
+    .struct_size = sizeof other_payload,
+    .type = STRATA_KNOB_CHOICE,
+    .name = "payload",
+    .maximum = 3,
+    .choices = (const char *const[]){"float", "half", "unorm8", "words", NULL},
+    .trades_accuracy = 1,
+};
 static const strata_knob first_nearest = {
     .struct_size = sizeof first_nearest,
     .type = STRATA_KNOB_INT,
@@ -192,6 +200,12 @@ static const modules_technique_note techniques[] = {
      KNOBS(&nearest),
      PROMISE(NEAREST, BIT, 0),
      COST(5)},
+    {.id = "packk", /* the same, and may pack its records */
+     .stage = "capture",
+     SLOTS(TRANSPARENT, SLOT(PRODUCES, "fragments/1", CONTIGUOUS, 0)),
+     KNOBS(&nearest, &payload),
+     PROMISE(NEAREST, BIT, 0),
+     COST(2)},
     {.id = "ppc", .stage = "resolve", FOLDS(CONTIGUOUS), PROMISE(EXACT, BIT, 0), COST(1)},
     {.id = "fpc", .stage = "resolve", FOLDS(BOTH), PROMISE(EXACT, BOUNDED, 0), COST(4)},
     {.id = "sums", .stage = "resolve", FOLDS(BOTH), PROMISE(EXACT, BOUNDED, 0), COST(0.7)},
@@ -215,6 +229,18 @@ static const modules_technique_note techniques[] = {
                                         .per_depth_pixel = 3,
                                         .per_depth_fragment = 0.25,
                                         .per_depth_triangle = 2}},
+    {.id = "thin", /* stores payloads, and for one of 20 fragments */
+     .stage = "stream",
+     SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0), CERTIFIES),
+     KNOBS(&payload),
+     PROMISE(EXACT, BIT, 20),
+     COST(6)},
+    {.id = "worded", /* has a payload of its own */
+     .stage = "stream",
+     SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0), CERTIFIES),
+     KNOBS(&other_payload),
+     PROMISE(EXACT, BIT, 0),
+     COST(6)},
     {.id = "kbuffer",
      .stage = "stream",
      SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0), CERTIFIES),
@@ -378,6 +404,41 @@ void kit_make(kit *k, const char *ids) {
         add(k, id);
 }
 
+const modules_technique_note *kit_technique(const kit *k, const char *id) {
+    for (uint32_t i = 0; i < k->count; i++)
+        if (k->list[i]->technique_count && strcmp(k->list[i]->techniques->id, id) == 0)
+            return k->list[i]->techniques;
+    fail_msg("no technique '%s'", id);
+    return NULL;
+}
+
+/* ---- measurements ---------------------------------------------------------------------------- */
+
+strata_scene_stats kit_sizes(uint32_t i) {
+    const double side = 100.0 + 97.0 * (i % 7), depth = 2.0 + (i * i) % 31;
+    return (strata_scene_stats){.struct_size = sizeof(strata_scene_stats),
+                                .width = 800,
+                                .height = 600,
+                                .covered_pixels = side * side,
+                                .mean_depth = depth,
+                                .largest_depth = 3.0 * depth + i % 5,
+                                .transparent_fragments = side * side * depth,
+                                .transparent_triangles = 500 + 7919 * (i % 11)};
+}
+
+void kit_measure(const kit *k, costs *c, const char *id, costs_form form,
+                 const double x[COSTS_TERMS], uint32_t points, double noise) {
+    double terms[COSTS_TERMS];
+    char name[COSTS_NAME];
+    costs_name(kit_technique(k, id), form, name);
+    for (uint32_t i = 0; i < points; i++) {
+        const strata_scene_stats stats = kit_sizes(i);
+        costs_terms(kit_technique(k, id), &stats, 1.0 + i % 9, terms);
+        const double off = 1.0 + noise * ((double)(i * 7 % 11) / 5.0 - 1.0);
+        assert_true(costs_add(c, name, terms, costs_sum(x, terms) * 20e-6 * off));
+    }
+}
+
 /* ---- asking for a plan ------------------------------------------------------------------------
  */
 
@@ -425,6 +486,7 @@ void kit_scene(const char *letters, demand *d, strata_scene_stats *stats) {
         stats->transparent_fragments = 1000;
         stats->covered_pixels = 100;
         stats->mean_depth = 10;
+        stats->mean_optical_depth = strchr(letters, 'n') ? 3.0 : 0.3;
         stats->largest_depth = strchr(letters, 'd') ? 300 : 10;
         if (strchr(letters, 'h')) {
             stats->covered_pixels = 10;

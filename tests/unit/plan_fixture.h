@@ -25,10 +25,22 @@ void kit_make(kit *k, const char *ids);
     "transmission"
 
 /* What a scene holds, in letters: o opaque, b BLEND, t transmission, e two emissive, f one, u
- * unlit; d for a depth of 300 instead of 10, h for a mean depth of a hundred, l for four lights; c
- * for a thousand opaque objects of which half are hidden or outside, v for as many that are seen.
- * Whatever is transparent has 1,000 fragments. */
+ * unlit; d for a depth of 300 instead of 10, h for a mean depth of a hundred, n for fragments that
+ * hide nearly all that is behind them, l for four lights; c for a thousand opaque objects of which
+ * half are hidden or outside, v for as many that are seen. Whatever is transparent has 1,000
+ * fragments. */
 void kit_scene(const char *letters, demand *d, strata_scene_stats *stats);
+
+/* Of a made kit; an unknown id fails the test. */
+const modules_technique_note *kit_technique(const kit *k, const char *id);
+
+/* Statistics of scenes in which nothing is proportional to anything else. */
+strata_scene_stats kit_sizes(uint32_t i);
+
+/* Points of a technique as if a fragment took 20 ns and its coefficients were these. Noise: up to
+ * so large a share, up and down. */
+void kit_measure(const kit *k, costs *c, const char *id, costs_form form,
+                 const double x[COSTS_TERMS], uint32_t points, double noise);
 
 /* What is asked of a plan: rows of tables begin with FOR(installed, scene). */
 typedef struct request {

@@ -19,31 +19,16 @@
 
 #include <cmocka.h>
 
+#define FORM ((costs_form){0})
+
 static kit k;
 
 static const modules_technique_note *note(const char *id) {
-    for (uint32_t i = 0; i < k.count; i++)
-        if (k.list[i]->technique_count && strcmp(k.list[i]->techniques->id, id) == 0)
-            return k.list[i]->techniques;
-    fail_msg("no technique '%s'", id);
-    return NULL;
+    return kit_technique(&k, id);
 }
 
 static void fit(costs *c) {
     costs_fit(c, (const modules_note *const *)k.list, k.count);
-}
-
-/* A scene of these sizes, in which nothing is proportional to anything else. */
-static strata_scene_stats scene_of(uint32_t i) {
-    const double side = 100.0 + 97.0 * (i % 7), depth = 2.0 + (i * i) % 31;
-    return (strata_scene_stats){.struct_size = sizeof(strata_scene_stats),
-                                .width = 800,
-                                .height = 600,
-                                .covered_pixels = side * side,
-                                .mean_depth = depth,
-                                .largest_depth = 3.0 * depth + i % 5,
-                                .transparent_fragments = side * side * depth,
-                                .transparent_triangles = 500 + 7919 * (i % 11)};
 }
 
 static int near(double a, double b, double share) {
@@ -88,24 +73,9 @@ static void terms_say_what_there_is_to_do(void **state) {
 
 /* ---- the fit --------------------------------------------------------------------------------- */
 
-/* Points of a technique as if a fragment took 20 ns and its coefficients were these. Noise: up to
- * so large a share, up and down. */
-static void measure_in(costs *c, const char *id, uint32_t layout, const double x[COSTS_TERMS],
-                       uint32_t points, double noise) {
-    double terms[COSTS_TERMS];
-    char name[COSTS_NAME];
-    costs_name(note(id), layout, name);
-    for (uint32_t i = 0; i < points; i++) {
-        const strata_scene_stats stats = scene_of(i);
-        costs_terms(note(id), &stats, 1.0 + i % 9, terms);
-        const double off = 1.0 + noise * ((double)(i * 7 % 11) / 5.0 - 1.0);
-        assert_true(costs_add(c, name, terms, costs_sum(x, terms) * 20e-6 * off));
-    }
-}
-
 static void measure(costs *c, const char *id, const double x[COSTS_TERMS], uint32_t points,
                     double noise) {
-    measure_in(c, id, STRATA_FRAGMENTS_CONTIGUOUS, x, points, noise);
+    kit_measure(&k, c, id, FORM, x, points, noise);
 }
 
 /* Two techniques say what the unit is, for theirs are the module's coefficients. */
@@ -129,12 +99,12 @@ static void known_coefficients_are_recovered(void **state) {
         measure(&c, "kplus", truth, 44, noisy ? 0.1 : 0);
         fit(&c);
         assert_true(near(c.ns, 20, 1e-6));
-        assert_int_equal(costs_of(&c, note("kplus"), 0, x), 44);
+        assert_int_equal(costs_of(&c, note("kplus"), FORM, x), 44);
         for (int i = 0; i < COSTS_TERMS; i++)
             if (x[i] < 0 || (!noisy && truth[i] > 0 && !near(x[i], truth[i], 0.03)))
                 fail_msg("coefficient %d is %g, not %g", i, x[i], truth[i]);
         /* What matters is what is predicted, here of a scene and k that were not measured. */
-        const strata_scene_stats stats = scene_of(52);
+        const strata_scene_stats stats = kit_sizes(52);
         costs_terms(note("kplus"), &stats, 11, terms);
         assert_true(near(costs_sum(x, terms), costs_sum(truth, terms), noisy ? 0.1 : 0.01));
         costs_free(&c);
@@ -148,12 +118,12 @@ static void one_point_scales(void **state) {
     costs c = {0};
     kit_make(&k, ALL " pass");
     measure_others(&c);
-    const strata_scene_stats stats = scene_of(3);
+    const strata_scene_stats stats = kit_sizes(3);
     assert_true(costs_of_module(note("pass"), module));
     costs_terms(note("pass"), &stats, 0, terms);
     assert_true(costs_add(&c, "pass", terms, 3.0 * 20e-6 * costs_sum(module, terms)));
     fit(&c);
-    assert_int_equal(costs_of(&c, note("pass"), 0, x), 1);
+    assert_int_equal(costs_of(&c, note("pass"), FORM, x), 1);
     for (int i = 0; i < COSTS_TERMS; i++)
         if (!near(x[i], 3.0 * module[i], 1e-6))
             fail_msg("coefficient %d is %g, not %g", i, x[i], 3.0 * module[i]);
@@ -176,11 +146,12 @@ static void what_was_measured_is_expected_there(void **state) {
     }
     assert_true(costs_add(&c, "ppc", terms[0], 2.0) && costs_add(&c, "ppc", terms[1], 1.0));
     fit(&c);
-    assert_int_equal(costs_of(&c, note("ppc"), 0, x), 2);
+    assert_int_equal(costs_of(&c, note("ppc"), FORM, x), 2);
     for (int i = 0; i < 2; i++)
         assert_true(
-            near(costs_expect(&c, note("ppc"), 0, x, terms[i]) * c.ns * 1e-6, 2.0 - i, 1e-9));
-    assert_true(near(costs_expect(&c, note("ppc"), 0, x, terms[2]), costs_sum(x, terms[2]), 1e-6));
+            near(costs_expect(&c, note("ppc"), FORM, x, terms[i]) * c.ns * 1e-6, 2.0 - i, 1e-9));
+    assert_true(
+        near(costs_expect(&c, note("ppc"), FORM, x, terms[2]), costs_sum(x, terms[2]), 1e-6));
     costs_free(&c);
 }
 
@@ -203,7 +174,7 @@ static void useless_points_stay_finite(void **state) {
     double x[COSTS_TERMS], terms[COSTS_TERMS] = {0};
     costs c = {0};
     kit_make(&k, ALL);
-    assert_int_equal(costs_of(NULL, note("abuffer"), 0, x), 0);
+    assert_int_equal(costs_of(NULL, note("abuffer"), FORM, x), 0);
     fit(&c); /* none */
     assert_true(c.ns == 0);
     assert_false(costs_add(&c, "abuffer", terms, 0.0));
@@ -225,7 +196,7 @@ static void useless_points_stay_finite(void **state) {
         costs_add(&c, "abuffer", terms, 1e-3);
         costs_add(&c, "unheard_of", terms, 1e-3);
         fit(&c);
-        assert_true(costs_of(&c, note("abuffer"), 0, x) >= 0);
+        assert_true(costs_of(&c, note("abuffer"), FORM, x) >= 0);
         for (int i = 0; i < COSTS_TERMS; i++)
             assert_true(isfinite(x[i]) && x[i] >= 0);
         assert_true(isfinite(c.ns));
@@ -251,6 +222,31 @@ static void equal_terms_share_a_point(void **state) {
 }
 
 /* ---- the plan -------------------------------------------------------------------------------- */
+
+/* A technique is another where it works in another form, but for what does not touch it. */
+static void forms_have_names(void **state) {
+    (void)state;
+    static const struct {
+        const char *id;
+        costs_form form;
+        const char *name;
+    } rows[] = {
+        {"abuffer", {0}, "abuffer"},
+        {"abuffer", {STRATA_FRAGMENTS_LINKED, STRATA_PAYLOAD_HALF}, "abuffer.linked.half"},
+        {"fpc", {STRATA_FRAGMENTS_LINKED, STRATA_PAYLOAD_FLOAT}, "fpc.linked"},
+        {"ppc", {STRATA_FRAGMENTS_CONTIGUOUS, STRATA_PAYLOAD_UNORM8}, "ppc.unorm8"},
+        {"thin", {STRATA_FRAGMENTS_LINKED, STRATA_PAYLOAD_HALF}, "thin.half"},
+        {"peel", {STRATA_FRAGMENTS_LINKED, STRATA_PAYLOAD_HALF}, "peel"},
+        {"surface", {STRATA_FRAGMENTS_LINKED, STRATA_PAYLOAD_HALF}, "surface"},
+        {"ppc", {77, 77}, "ppc"},
+    };
+    kit_make(&k, ALL " thin");
+    for (size_t i = 0; i < BASE_COUNT(rows); i++) {
+        char name[COSTS_NAME];
+        costs_name(note(rows[i].id), rows[i].form, name);
+        assert_string_equal(name, rows[i].name);
+    }
+}
 
 /* abuffer + ppc cost 4,000 by their modules, peel 5,000. Here peel was measured to be cheap. */
 static void the_plan_goes_by_what_was_measured(void **state) {
@@ -286,6 +282,7 @@ static void the_plan_goes_by_what_was_measured(void **state) {
 /* abuffer + fpc cost 7,000, as lists 5,000; which counts only where both know it. */
 static void layouts_are_measured_apart(void **state) {
     (void)state;
+    const costs_form form = {.layout = STRATA_FRAGMENTS_LINKED};
     static const struct {
         const char *lists[2], *setting;
         uint32_t layout;
@@ -297,12 +294,7 @@ static void layouts_are_measured_apart(void **state) {
         {{"fpc"}, NULL, STRATA_FRAGMENTS_CONTIGUOUS, 7000},
         {{"fpc"}, "abuffer.mode=linked", STRATA_FRAGMENTS_LINKED, 7000},
     };
-    char name[COSTS_NAME];
     kit_make(&k, "abuffer ppc fpc peel over");
-    costs_name(note("fpc"), STRATA_FRAGMENTS_LINKED, name);
-    assert_string_equal(name, "fpc.linked");
-    costs_name(note("peel"), STRATA_FRAGMENTS_LINKED, name);
-    assert_string_equal(name, "peel");
     for (size_t i = 0; i < BASE_COUNT(rows); i++) {
         demand d;
         costs c = {0};
@@ -314,7 +306,7 @@ static void layouts_are_measured_apart(void **state) {
         measure(&c, "fpc", x, 20, 0);
         for (int n = 0; n < 2 && rows[i].lists[n]; n++) {
             lists[COSTS_FRAGMENT] = strcmp(rows[i].lists[n], "fpc") == 0 ? 4 : 1;
-            measure_in(&c, rows[i].lists[n], STRATA_FRAGMENTS_LINKED, lists, 20, 0);
+            kit_measure(&k, &c, rows[i].lists[n], form, lists, 20, 0);
         }
         fit(&c);
         plan *p = get(&r, &k, &d);
@@ -413,6 +405,7 @@ int main(void) {
         cmocka_unit_test(the_unit_says_what_it_is),
         cmocka_unit_test(useless_points_stay_finite),
         cmocka_unit_test(equal_terms_share_a_point),
+        cmocka_unit_test(forms_have_names),
         cmocka_unit_test(the_plan_goes_by_what_was_measured),
         cmocka_unit_test(layouts_are_measured_apart),
         cmocka_unit_test(files_are_kept_and_doubted),

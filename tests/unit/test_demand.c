@@ -48,6 +48,7 @@ static void stage_close(stage *t) {
 static scene_material *add_material(stage *t, scene_alpha alpha) {
     scene_material *m = &t->materials[t->s.material_count];
     *m = (scene_material){.alpha = alpha, .double_sided = 1};
+    m->base_color_texture.image = m->transmission_texture.image = SCENE_NONE;
     t->transparent[t->s.material_count++] = alpha == SCENE_BLEND;
     return m;
 }
@@ -485,6 +486,75 @@ static void samples_fall_out_of_step(void **state) {
     stage_close(&t);
 }
 
+/* Of a square of this material, whose vertices have half the alpha or none of their own. */
+static double optical_depth_of(const scene_material *material, int vertices) {
+    static const unsigned char pixels[] = {255, 0, 0, 255, 127, 0, 0, 0}; /* alpha 1 and 0 */
+    scene_image im = {.width = 2, .height = 1, .pixels = (unsigned char *)(uintptr_t)pixels};
+    estimate_view view = flat_view(64, 64);
+    stage t;
+    stage_open(&t);
+    *add_material(&t, SCENE_BLEND) = *material;
+    t.s.images = &im;
+    t.s.image_count = 1;
+    scene_mesh *mesh = add_mesh(&t, SCENE_TRIANGLES, 0, 6);
+    float colors[6 * 4];
+    for (int i = 0; i < 24; i++)
+        colors[i] = 0.5f;
+    mesh->colors = vertices ? colors : NULL;
+    set_quad(mesh, 0, -1, -1, 1, 1, 0.5f);
+    add_instance(&t, 0);
+    const double depth = estimate(&t, &view).mean_optical_depth;
+    mesh->colors = NULL;
+    t.s.images = NULL;
+    stage_close(&t);
+    return depth;
+}
+
+static void materials_hide_what_is_behind(void **state) {
+    (void)state;
+    static const struct {
+        scene_alpha alpha;
+        float color[4], transmission;
+        int texture, vertices;
+        double transmittance;
+    } rows[] = {
+        {SCENE_BLEND, {1, 1, 1, 0.25f}, 0, 0, 0, 0.75},
+        {SCENE_BLEND, {1, 1, 1, 0.5f}, 0, 0, 1, 0.75},
+        {SCENE_BLEND, {1, 1, 1, 0.5f}, 0, 1, 0, 0.75},
+        {SCENE_BLEND, {1, 1, 1, 0}, 0, 0, 0, 1},
+        {SCENE_BLEND, {1, 1, 1, 1}, 0, 0, 0, 0x1p-24},
+        {SCENE_OPAQUE, {0.2f, 0.8f, 0.5f, 0.1f}, 1, 0, 0, 0.8}, /* alpha says nothing */
+        {SCENE_OPAQUE, {1, 1, 1, 1}, 0.5f, 0, 1, 0.5},
+        {SCENE_BLEND, {0.5f, 0.5f, 0.5f, 0.5f}, 1, 0, 0, 0.75},
+    };
+    for (size_t i = 0; i < BASE_COUNT(rows); i++) {
+        scene_material m = {.alpha = rows[i].alpha, .transmission = rows[i].transmission};
+        memcpy(m.base_color, rows[i].color, sizeof m.base_color);
+        m.base_color_texture.image = rows[i].texture ? 0 : SCENE_NONE;
+        m.transmission_texture.image = SCENE_NONE;
+        m.double_sided = 1;
+        const double depth = optical_depth_of(&m, rows[i].vertices);
+        if (!(fabs(depth + log(rows[i].transmittance)) < 1e-6))
+            fail_msg("row %zu: %g", i, depth);
+    }
+}
+
+/* By area: a square of transmittance 3/4, and one of half its size that lets 1/4 through. */
+static void optical_depths_are_weighed_by_area(void **state) {
+    (void)state;
+    estimate_view view = flat_view(64, 64);
+    stage t;
+    stage_open(&t);
+    for (int i = 0; i < 2; i++) {
+        add_material(&t, SCENE_BLEND)->base_color[3] = i ? 0.75f : 0.25f;
+        set_quad(add_mesh(&t, SCENE_TRIANGLES, (uint32_t)i, 6), 0, -1, -1, i ? 0.0f : 1.0f, 1,
+                 0.5f);
+        add_instance(&t, (uint32_t)i);
+    }
+    assert_near(estimate(&t, &view).mean_optical_depth, -(2 * log(0.75) + log(0.25)) / 3, 1e-6);
+    stage_close(&t);
+}
+
 static void nothing_and_no_image(void **state) {
     (void)state;
     stage t;
@@ -495,6 +565,7 @@ static void nothing_and_no_image(void **state) {
     stats = estimate(&t, &view);
     assert_int_equal(stats.transparent_draws + stats.opaque_draws, 0);
     assert_true(stats.mean_depth == 0.0 && stats.largest_depth == 0.0);
+    assert_true(stats.mean_optical_depth == 0.0);
     view.height = 0;
     assert_int_equal(estimate_stats(&t.s, &view, t.transparent, &stats, &err),
                      STRATA_ERROR_INVALID_ARGUMENT);
@@ -515,6 +586,8 @@ int main(void) {
         cmocka_unit_test(soup_agrees_with_counting),
         cmocka_unit_test(large_scenes_are_sampled),
         cmocka_unit_test(samples_fall_out_of_step),
+        cmocka_unit_test(materials_hide_what_is_behind),
+        cmocka_unit_test(optical_depths_are_weighed_by_area),
         cmocka_unit_test(nothing_and_no_image),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
