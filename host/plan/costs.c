@@ -106,14 +106,18 @@ int costs_is_unit(const modules_technique_note *note) {
     return is && note->promises && note->promises->order == STRATA_ORDER_APPROXIMATE;
 }
 
+const char *costs_payload_name(uint32_t payload) {
+    static const char *const payloads[COSTS_PAYLOADS] = {"float", "half", "unorm8"};
+    return payloads[payload];
+}
+
 void costs_name(const modules_technique_note *note, costs_form form, char name[COSTS_NAME]) {
-    static const char *const layouts[COSTS_LAYOUTS] = {"", ".linked"};
-    static const char *const payloads[COSTS_PAYLOADS] = {"", ".half", ".unorm8"};
     const int meets = names(note, "fragments/1", 0) != NULL,
               stores = meets || costs_payload_knob(note) >= 0;
-    snprintf(name, COSTS_NAME, "%.60s%s%s", note->id,
-             meets && form.layout < COSTS_LAYOUTS ? layouts[form.layout] : "",
-             stores && form.payload < COSTS_PAYLOADS ? payloads[form.payload] : "");
+    const int linked = meets && form.layout == STRATA_FRAGMENTS_LINKED,
+              packed = stores && form.payload > 0 && form.payload < COSTS_PAYLOADS;
+    snprintf(name, COSTS_NAME, "%.60s%s%s%s", note->id, linked ? ".linked" : "", packed ? "." : "",
+             packed ? costs_payload_name(form.payload) : "");
 }
 
 static costs_technique *find(const costs *c, const char *name) {

@@ -65,6 +65,8 @@ typedef struct costs_form {
 #define COSTS_LAYOUTS  2u
 #define COSTS_PAYLOADS 3u
 
+const char *costs_payload_name(uint32_t payload); /* "float", "half", "unorm8"; below COSTS_PAYLOADS */
+
 /* ---- terms ----------------------------------------------------------------------------------- */
 
 /* What a technique of this note works on in a frame. `nearest`: fragments a pixel that the frame's

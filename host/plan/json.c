@@ -8,7 +8,6 @@
 #include <string.h>
 
 static const char *const layouts[] = {"contiguous", "linked"};
-static const char *const precisions[] = {"float", "half", "unorm8"};
 
 /* Strings of modules and files are not to be trusted with their encoding. */
 static json_t *text(const char *value) {
@@ -102,7 +101,7 @@ static json_t *fragments_json(const plan *p) {
     double bytes = ceil(p->stats.transparent_fragments) * (double)p->bytes_per_fragment;
     return json_pack(
         "{so so si so so so so so}", "layout", text(p->captures ? layouts[p->layout] : NULL),
-        "payload", text(precisions[p->payload.precision]), "transmittance_channels",
+        "payload", text(costs_payload_name(p->payload.precision)), "transmittance_channels",
         (int)p->transmittance_channels, "bytes_per_fragment",
         p->captures ? number(p->bytes_per_fragment) : json_null(), "bytes",
         p->captures ? number(bytes) : json_null(), "bands",

@@ -54,11 +54,9 @@ static void trade_nearest(const plan_input *in, plan_candidate *c) {
 strata_result plan_trade(plan_work *w) {
     for (uint32_t i = 0; i < w->count && w->in->tolerance > 0.0; i++) {
         plan_candidate *c = &w->candidates[i];
-        const int payload = plan_knob(c->note, "payload");
-        const strata_knob *knob = payload >= 0 ? c->note->knobs[payload] : NULL;
-        if (knob && knob->trades_accuracy && knob->type == STRATA_KNOB_CHOICE &&
-            !(c->set_knobs >> payload & 1u))
-            c->values[payload] = payload_for(w->in, knob);
+        const int payload = costs_payload_knob(c->note);
+        if (plan_free_payload(c))
+            c->values[payload] = payload_for(w->in, c->note->knobs[payload]);
         trade_nearest(w->in, c);
     }
     return STRATA_OK;
@@ -80,12 +78,11 @@ double plan_recordings(const plan_work *w, const plan_candidate *holder) {
 
 /* Appends to the reasons of what folds: which certificate is asked for, and with what. */
 strata_result plan_explain_trades(plan_work *w) {
-    static const char *const payloads[] = {"float", "half", "unorm8"};
     for (uint32_t i = 0; i < w->count && w->in->tolerance > 0.0; i++) {
         plan_candidate *c = &w->candidates[i];
         if (!c->chosen || (c->role != PLAN_CAPTURE && c->role != PLAN_STREAM))
             continue;
-        const int payload = plan_knob(c->note, "payload"), nearest = plan_knob(c->note, "k"),
+        const int payload = costs_payload_knob(c->note), nearest = plan_knob(c->note, "k"),
                   begin = plan_knob(c->note, "begin");
         size_t length = strlen(c->reason);
         const size_t size = sizeof c->reason;
@@ -93,8 +90,8 @@ strata_result plan_explain_trades(plan_work *w) {
         if (length < size)
             ADD("; for a tolerance of %.3g it %s", w->in->tolerance,
                 w->in->raise ? "now takes" : "begins with");
-        if (payload >= 0 && c->values[payload] < 3.0 && length < size)
-            ADD(" payload %s", payloads[(int)c->values[payload]]);
+        if (payload >= 0 && length < size)
+            ADD(" payload %s", costs_payload_name(plan_stored(c)));
         if (begin >= 0 && c->values[begin] > 0.0 && length < size)
             ADD("%s k from %.0f to %.0f, pixel by pixel", payload >= 0 ? "," : "", c->values[begin],
                 c->values[nearest]);

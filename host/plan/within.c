@@ -126,24 +126,24 @@ void plan_settle_budget(plan_work *w, const plan_way *chosen) {
 
 /* Adds to the reason of what holds. */
 void plan_explain_budget(plan_work *w, const plan_way *chosen) {
-    static const char *const stored[COSTS_PAYLOADS] = {"", ", payload half", ", payload unorm8"};
     plan_candidate *c = plan_holder(chosen);
     const double ns = plan_ns(w->in), room = plan_room(w), budget = w->in->budget;
     const uint32_t payload = chosen->form.payload;
     const size_t length = strlen(c->reason), size = sizeof c->reason;
-    char *text = c->reason + length;
+    char *text = c->reason + length, stored[32] = "";
+    if (payload != STRATA_PAYLOAD_FLOAT)
+        snprintf(stored, sizeof stored, ", payload %s", costs_payload_name(payload));
     if (chosen->keeps > 0.0)
         snprintf(
             text, size - length,
             "; for the budget of %.3g ms it begins with the nearest %.0f of up to %.0f fragments "
             "a pixel%s%s",
-            budget, chosen->keeps, ceil(w->in->stats->largest_depth), stored[payload],
+            budget, chosen->keeps, ceil(w->in->stats->largest_depth), stored,
             chosen->cost <= room ? "" : ", though that is expected to miss it");
     else if (!(ns > 0.0))
         snprintf(text, size - length, "; whether the budget of %.3g ms is met is not known yet",
                  budget);
     else
-        snprintf(text, size - length, "%s; the budget of %.3g ms is expected to be %s",
-                 stored[payload], budget,
-                 chosen->cost <= room && !(w->in->late >> payload & 1u) ? "met" : "missed");
+        snprintf(text, size - length, "%s; the budget of %.3g ms is expected to be %s", stored,
+                 budget, chosen->cost <= room && !(w->in->late >> payload & 1u) ? "met" : "missed");
 }

@@ -27,7 +27,6 @@ typedef struct search {
 } search;
 
 static const char *const orders[] = {"exact", "nearest", "approximate"};
-static const char *const payloads[] = {"float", "half", "unorm8"};
 
 static void use_of(const combination *c, char use[256]) {
     const plan_variant *parts[] = {c->draws, c->clip, c->fold, c->resolve};
@@ -65,7 +64,8 @@ static void add_promises(json_t *object, const combination *c) {
     json_object_set_new(object, "order", json_string(orders[fold ? fold->order : 0]));
     json_object_set_new(object, "keeps", json_integer(fold ? (json_int_t)fold->keeps : 0));
     json_object_set_new(object, "holds", json_integer(p ? (json_int_t)p->largest_depth : 0));
-    json_object_set_new(object, "payload", json_string(payloads[fold ? fold->payload : 0]));
+    json_object_set_new(object, "payload",
+                        json_string(costs_payload_name(fold ? fold->payload : 0)));
     json_object_set_new(object, "ends_early", json_boolean(early));
     json_object_set_new(
         object, "bits",
