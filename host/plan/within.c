@@ -67,27 +67,35 @@ static double cost_at(const plan_work *w, const plan_way *way, double keeps) {
     return fold == PLAN_NO_COST || capture == PLAN_NO_COST ? HUGE_VAL : fold + capture;
 }
 
-/* That of a colour of about 1, and of the alpha that hides what is behind it: half a quantum each.
- */
-static double payload_error(uint32_t payload) {
-    static const double quanta[COSTS_PAYLOADS] = {0.0, 0x1p-10, 1.0 / 255.0};
-    return quanta[payload];
-}
+/* Where fragments hide nothing, they are taken to hide this much: each still adds to the sum. */
+#define CLEAREST 1e-3
 
 /* What is dropped behind the nearest so many in the deepest pixel, as bright as 1, seen through as
- * many fragments of the mean transmittance. Where these hide nothing, each still adds to the sum.
- */
+ * many fragments of the mean transmittance. */
 static double dropped_error(const plan_work *w, double keeps) {
     const strata_scene_stats *stats = w->in->stats;
-    const double each = fmax(stats->mean_optical_depth, 1e-3);
+    const double each = fmax(stats->mean_optical_depth, CLEAREST);
     return keeps < stats->largest_depth ? exp(-each * keeps) - exp(-each * stats->largest_depth)
                                         : 0.0;
+}
+
+/* Half a quantum of each fragment's colour, and of the alpha that hides what is behind it. A half's
+ * is a share of the value, and the values' sum is about 1; unorm8's is the same for all that show,
+ * the sum of the transmittances in front of them. */
+static double payload_error(const plan_work *w, uint32_t payload) {
+    const strata_scene_stats *stats = w->in->stats;
+    const double each = fmax(stats->mean_optical_depth, CLEAREST),
+                 showing = expm1(-each * stats->largest_depth) / expm1(-each);
+    return payload == STRATA_PAYLOAD_UNORM8 ? showing / 255.0
+           : payload == STRATA_PAYLOAD_HALF ? 0x1p-10
+                                            : 0.0;
 }
 
 static void keep(const plan_work *w, plan_way *way, double keeps) {
     way->keeps = keeps;
     way->cost = cost_at(w, way, keeps > 0.0 ? keeps : plan_kept(plan_holder(way)));
-    way->error = payload_error(way->form.payload) + (keeps > 0.0 ? dropped_error(w, keeps) : 0.0);
+    way->error =
+        payload_error(w, way->form.payload) + (keeps > 0.0 ? dropped_error(w, keeps) : 0.0);
 }
 
 /* The more are kept the dearer: the most that fits is found by halving. */

@@ -486,7 +486,7 @@ void kit_scene(const char *letters, demand *d, strata_scene_stats *stats) {
         stats->transparent_fragments = 1000;
         stats->covered_pixels = 100;
         stats->mean_depth = 10;
-        stats->mean_optical_depth = strchr(letters, 'n') ? 3.0 : 0.3;
+        stats->mean_optical_depth = strchr(letters, 'n') ? 3.0 : strchr(letters, 'g') ? 0.05 : 0.3;
         stats->largest_depth = strchr(letters, 'd') ? 300 : 10;
         if (strchr(letters, 'h')) {
             stats->covered_pixels = 10;

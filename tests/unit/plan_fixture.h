@@ -26,9 +26,9 @@ void kit_make(kit *k, const char *ids);
 
 /* What a scene holds, in letters: o opaque, b BLEND, t transmission, e two emissive, f one, u
  * unlit; d for a depth of 300 instead of 10, h for a mean depth of a hundred, n for fragments that
- * hide nearly all that is behind them, l for four lights; c for a thousand opaque objects of which
- * half are hidden or outside, v for as many that are seen. Whatever is transparent has 1,000
- * fragments. */
+ * hide nearly all that is behind them, g for such as hide little, l for four lights; c for a
+ * thousand opaque objects of which half are hidden or outside, v for as many that are seen.
+ * Whatever is transparent has 1,000 fragments. */
 void kit_scene(const char *letters, demand *d, strata_scene_stats *stats);
 
 /* Of a made kit; an unknown id fails the test. */

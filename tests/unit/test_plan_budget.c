@@ -88,30 +88,34 @@ static void what_fits_is_taken(void **state) {
     }
 }
 
-/* Each costs what its coefficients say; as half, abuffer + ppc cost 1.5 in place of 4, packk + ppc
- * 0.5 + k / 10 in place of 2 + k / 10, and thin 3 in place of 6. In units of 20 us. */
-static void measure_all(costs *c, const kit *k, const char *not_as_half) {
+/* Each costs what its coefficients say, and what is `measured` in another form ("ppc.half") what it
+ * says here: abuffer + ppc 1.5 in place of 4, packk + ppc 0.5 + k / 10 in place of 2 + k / 10, and
+ * thin 3 in place of 6. In units of 20 us. */
+static void measure_all(costs *c, const kit *k, const char *measured) {
     static const struct {
         const char *id;
-        double fragment, as_half;
+        double fragment, packed;
     } rows[] = {
-        {"abuffer", 3, 0.5}, {"ppc", 1, 1}, {"kplus", 1, 0}, {"packk", 2, 0.5}, {"thin", 6, 3}};
-    const costs_form half = {.payload = STRATA_PAYLOAD_HALF};
+        {"abuffer", 3, 0.5}, {"ppc", 1, 1}, {"kplus", 1, 1}, {"packk", 2, 0.5}, {"thin", 6, 3}};
     *c = (costs){0};
-    for (size_t i = 0; i < BASE_COUNT(rows); i++) {
-        double x[COSTS_TERMS] = {[COSTS_FRAGMENT] = rows[i].fragment};
-        kit_measure(k, c, rows[i].id, (costs_form){0}, x, 20, 0);
-        x[COSTS_FRAGMENT] = rows[i].as_half;
-        if (rows[i].as_half > 0 && !strstr(not_as_half, rows[i].id))
-            kit_measure(k, c, rows[i].id, half, x, 20, 0);
-    }
+    for (size_t i = 0; i < BASE_COUNT(rows); i++)
+        for (uint32_t payload = 0; payload < COSTS_PAYLOADS; payload++) {
+            const costs_form form = {.payload = payload};
+            const double x[COSTS_TERMS] = {[COSTS_FRAGMENT] =
+                                               payload ? rows[i].packed : rows[i].fragment};
+            char name[COSTS_NAME];
+            costs_name(kit_technique(k, rows[i].id), form, name);
+            if (payload == 0 || strstr(measured, name))
+                kit_measure(k, c, rows[i].id, form, x, 20, 0);
+        }
     costs_fit(c, (const modules_note *const *)k->list, k->count);
 }
 
 static void payloads_are_traded_where_they_were_measured(void **state) {
     (void)state;
+#define HALVES "abuffer.half ppc.half packk.half thin.half"
     static const struct {
-        const char *installed, *scene, *setting, *not_as_half;
+        const char *installed, *scene, *setting, *measured;
         double budget; /* in units */
         uint32_t late;
         const char *order;
@@ -120,36 +124,45 @@ static void payloads_are_traded_where_they_were_measured(void **state) {
     } rows[] = {
         /* all of them as half are closer than nine in ten; but not where the ninth hides the tenth
          */
-        {"abuffer kplus ppc", "b", "", "", 4.1, 0, "abuffer ppc", STRATA_PAYLOAD_FLOAT, 0},
-        {"abuffer kplus ppc", "b", "", "", 1.95, 0, "abuffer ppc", STRATA_PAYLOAD_HALF, 0},
-        {"abuffer kplus ppc", "bn", "", "", 1.95, 0, "kplus ppc", STRATA_PAYLOAD_FLOAT, 9},
-        {"abuffer kplus ppc", "b", "", "", 1.45, 0, "kplus ppc", STRATA_PAYLOAD_FLOAT, 4},
-        {"abuffer kplus ppc", "b", "", "abuffer", 1.95, 0, "kplus ppc", STRATA_PAYLOAD_FLOAT, 9},
-        {"abuffer kplus ppc", "b", "", "ppc", 1.95, 0, "kplus ppc", STRATA_PAYLOAD_FLOAT, 9},
-        {"abuffer kplus ppc", "b", "abuffer.payload=float", "", 1.95, 0, "kplus ppc",
+        {"abuffer kplus ppc", "b", "", HALVES, 4.1, 0, "abuffer ppc", STRATA_PAYLOAD_FLOAT, 0},
+        {"abuffer kplus ppc", "b", "", HALVES, 1.95, 0, "abuffer ppc", STRATA_PAYLOAD_HALF, 0},
+        {"abuffer kplus ppc", "bn", "", HALVES, 1.95, 0, "kplus ppc", STRATA_PAYLOAD_FLOAT, 9},
+        {"abuffer kplus ppc", "b", "", HALVES, 1.45, 0, "kplus ppc", STRATA_PAYLOAD_FLOAT, 4},
+        {"abuffer kplus ppc", "b", "", "ppc.half", 1.95, 0, "kplus ppc", STRATA_PAYLOAD_FLOAT, 9},
+        {"abuffer kplus ppc", "b", "", "abuffer.half", 1.95, 0, "kplus ppc", STRATA_PAYLOAD_FLOAT,
+         9},
+        {"abuffer kplus ppc", "b", "abuffer.payload=float", HALVES, 1.95, 0, "kplus ppc",
          STRATA_PAYLOAD_FLOAT, 9},
-        {"abuffer kplus ppc", "b", "abuffer.payload=half", "", 1.95, 0, "abuffer ppc",
+        {"abuffer kplus ppc", "b", "abuffer.payload=half", HALVES, 1.95, 0, "abuffer ppc",
          STRATA_PAYLOAD_HALF, 0},
-        {"abuffer kplus ppc", "b", "", "", 0, 0, "abuffer ppc", STRATA_PAYLOAD_FLOAT, 0}, /* none */
+        {"abuffer kplus ppc", "b", "", HALVES, 0, 0, "abuffer ppc", STRATA_PAYLOAD_FLOAT,
+         0}, /* none */
         /* with a payload more are kept */
-        {"abuffer packk ppc", "b", "", "abuffer", 2.45, 0, "packk ppc", STRATA_PAYLOAD_HALF, 10},
-        {"abuffer packk ppc", "b", "", "abuffer", 1.25, 0, "packk ppc", STRATA_PAYLOAD_HALF, 7},
+        {"packk ppc", "b", "", HALVES, 2.45, 0, "packk ppc", STRATA_PAYLOAD_HALF, 10},
+        {"packk ppc", "b", "", HALVES, 1.25, 0, "packk ppc", STRATA_PAYLOAD_HALF, 7},
+        /* a quantum of unorm8 counts for each fragment that shows: little glass, or much */
+        {"abuffer kplus ppc", "bn", "", "abuffer.unorm8 ppc.unorm8", 1.65, 0, "kplus ppc",
+         STRATA_PAYLOAD_FLOAT, 6},
+        {"abuffer kplus ppc", "b", "", "abuffer.unorm8 ppc.unorm8", 1.95, 0, "abuffer ppc",
+         STRATA_PAYLOAD_UNORM8, 0},
+        {"abuffer kplus ppc", "bg", "", "abuffer.unorm8 ppc.unorm8", 1.95, 0, "kplus ppc",
+         STRATA_PAYLOAD_FLOAT, 9},
         /* streams have payloads, too; what is too deep for one is not */
-        {"abuffer ppc thin", "b", "", "abuffer", 3.5, 0, "thin", STRATA_PAYLOAD_HALF, 0},
-        {"abuffer kplus ppc thin", "bd", "", "abuffer", 3.5, 1, "kplus ppc", STRATA_PAYLOAD_FLOAT,
+        {"abuffer ppc thin", "b", "", "thin.half", 3.5, 0, "thin", STRATA_PAYLOAD_HALF, 0},
+        {"abuffer kplus ppc thin", "bd", "", "thin.half", 3.5, 1, "kplus ppc", STRATA_PAYLOAD_FLOAT,
          64},
         /* what was late in one precision may fit in the next */
-        {"abuffer ppc", "b", "", "", 4.5, 1, "abuffer ppc", STRATA_PAYLOAD_HALF, 0},
-        {"abuffer kplus ppc", "b", "", "", 1.95, 3, "kplus ppc", STRATA_PAYLOAD_FLOAT, 9},
-        {"abuffer ppc", "b", "", "", 4.5, 3, "abuffer ppc", STRATA_PAYLOAD_FLOAT, 0},
+        {"abuffer ppc", "b", "", HALVES, 4.5, 1, "abuffer ppc", STRATA_PAYLOAD_HALF, 0},
+        {"abuffer kplus ppc", "b", "", HALVES, 1.95, 3, "kplus ppc", STRATA_PAYLOAD_FLOAT, 9},
+        {"abuffer ppc", "b", "", HALVES, 4.5, 3, "abuffer ppc", STRATA_PAYLOAD_FLOAT, 0},
     };
     for (size_t i = 0; i < BASE_COUNT(rows); i++) {
         kit k;
         demand d;
         costs c;
-        kit_make(&k, "abuffer ppc kplus packk thin over");
-        measure_all(&c, &k, rows[i].not_as_half);
         char installed[96];
+        kit_make(&k, "abuffer ppc kplus packk thin over");
+        measure_all(&c, &k, rows[i].measured);
         snprintf(installed, sizeof installed, "%s over", rows[i].installed);
         const request r = {FOR(installed, rows[i].scene), .costs = &c, .late = rows[i].late,
                            .settings = {rows[i].setting[0] ? rows[i].setting : NULL},
@@ -159,9 +172,11 @@ static void payloads_are_traded_where_they_were_measured(void **state) {
             p->payload.precision != rows[i].payload)
             fail_msg("row %zu: '%s' at %g with payload %u", i, order_of(p), plan_turned(p),
                      p->payload.precision);
-        const int half =
-            strstr(reason_of(p, p->techniques[0].technique->id), "payload half") != NULL;
-        assert_int_equal(half, rows[i].payload == STRATA_PAYLOAD_HALF);
+        const char *reason = reason_of(p, p->techniques[0].technique->id);
+        assert_int_equal(strstr(reason, "payload half") != NULL,
+                         rows[i].payload == STRATA_PAYLOAD_HALF);
+        assert_int_equal(strstr(reason, "payload unorm8") != NULL,
+                         rows[i].payload == STRATA_PAYLOAD_UNORM8);
         plan_free(p);
         costs_free(&c);
     }
