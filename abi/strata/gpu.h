@@ -64,9 +64,17 @@ typedef struct strata_image_desc {
     const char *label;
     uint32_t width, height; /* 0 = the frame's */
     uint32_t layers;        /* 0 = a plain 2D image; n >= 1 = a 2D array of n layers */
-    uint32_t reserved;
+    uint32_t samples;       /* 0 or 1 = one a texel; else multisampled, see below */
     const char *history;    /* as above */
 } strata_image_desc;
+
+/* A multisampled image has 2, 4, 8 .. samples a texel, at most the fact "limit.samples", no layers,
+ * and a format of depth or of floats (RGBA8 too). Passes draw into it and shaders read it, by
+ * texelFetch of a sampler2DMS; it is no storage image.
+ *
+ * Its samples are many values of one pixel, not places in it: all lie at the centre, so that a
+ * fragment reaches all of them or none, and each tests it against a depth and stencil of its own.
+ * Where the fact "selftest.sample_routing" is 0 the device is not so: samples may miss fragments. */
 
 /* A pool is a set of planes (arrays) of one common capacity that only the GPU learns. Its GLSL
  * counter block holds { uint needed; uint capacity; }: shaders add to `needed` and write slots below
@@ -141,8 +149,8 @@ typedef struct strata_bind {
 #define STRATA_BLEND_MAX 6u
 #define STRATA_BLEND_FOLD 7u /* s.rgb + s.a d.rgb; alpha: d.a * s.a; (C, T) elements, far to near */
 
-/* All attachments of a pass have one size and as many layers. A clear reaches every layer; fragments
- * land in layer 0.
+/* All attachments of a pass have one size, as many layers and as many samples. A clear reaches every
+ * layer; fragments land in layer 0.
  *
  * Where the fact "ordered_attachments" is 1, a fragment shader may read and replace the texels of
  * colour attachments (strata/ordered.glsl), in primitive order at each pixel; exactly those have
@@ -199,7 +207,7 @@ typedef struct strata_pass {
     uint32_t cull;            /* 0 none (double-sided is decided in the vertex stage), 1 back, 2 front */
     uint32_t whole_frame;     /* 1: not limited to the band's rectangle */
     uint32_t width, height;   /* of the target when there is no attachment; 0 = the frame's */
-    uint32_t reserved;
+    uint32_t sample_mask;     /* full-screen programs: bit i = sample i is reached; 0 = all */
 } strata_pass;
 
 /* Work groups of 64 invocations for `items`, in rows of 32,768, so that no device's limit on one

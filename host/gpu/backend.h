@@ -56,6 +56,7 @@ typedef struct gpu_binding { /* reflected from SPIR-V; `binding` is unique withi
     uint32_t size;   /* of a block, bytes, an unsized array at its end left out; images: 0 */
     uint32_t format; /* of a storage image: STRATA_FORMAT_*, 0 when the shader names none */
     uint32_t arrayed, is_unsigned; /* images: 2D array; uimage or usampler */
+    uint32_t multisampled;         /* samplers */
     uint32_t attachment;           /* of GPU_BINDING_ATTACHMENT: its number */
 } gpu_binding;
 
@@ -92,14 +93,15 @@ typedef struct gpu_native_pass {
     void *commands, *count, *indices; /* draws; min(count, draw_capacity) of the commands */
     uint32_t draw_capacity;
     uint32_t counted; /* 1: by the GPU; 0: count is draw_capacity */
-    void *indirect; /* dispatch */
-    uint32_t timed; /* index of its timing + 1, or 0 */
+    void *indirect;   /* dispatch */
+    uint32_t timed;   /* index of its timing + 1, or 0 */
 } gpu_native_pass;
 
 typedef struct gpu_backend_caps {
     char name[256], driver[256];
     uint64_t storage_range, memory; /* bytes; memory 0 = unknown */
     uint32_t image_size, groups, subgroup;
+    uint32_t samples;        /* the most of an image; 1: none is multisampled */
     uint32_t storage_blocks; /* that one shader stage can use */
     uint32_t int64, int64_atomics, fragment_interlock, raster_order_attachments, framebuffer_fetch,
         subgroup_ballot, stencil_export;

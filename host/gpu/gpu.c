@@ -267,6 +267,7 @@ uint64_t gpu_fact(gpu *g, const char *id) {
         {"limit.groups", caps->groups},
         {"limit.memory", caps->memory},
         {"limit.subgroup", caps->subgroup},
+        {"limit.samples", caps->samples},
         {"limit.storage_blocks", caps->storage_blocks},
         {"feature.int64", caps->int64},
         {"feature.int64_atomics", caps->int64_atomics},

@@ -31,6 +31,7 @@ typedef struct gpu_scope gpu_scope;
     X(BUFFER_LIMIT, "storage range exceeds the device's limit")                                    \
     X(IMAGE_SIZE, "image size is zero or exceeds the device's limit")                              \
     X(IMAGE_FORMAT, "image format does not fit this use")                                          \
+    X(IMAGE_SAMPLES, "the number of samples does not fit the device or this use")                  \
     X(POOL_PLANES, "pool planes are missing, too many, or of a bad stride")                        \
     X(PROGRAM_KIND, "program kind and pass do not fit")                                            \
     X(PROGRAM_COMPILE, "program did not compile")                                                  \
@@ -41,9 +42,10 @@ typedef struct gpu_scope gpu_scope;
     X(BIND_TWICE, "a name is bound twice")                                                         \
     X(PARAMS_SIZE, "params_size differs from the program's parameter block")                       \
     X(ATTACHMENT_MISSING, "a pass that draws needs an attachment or a size")                       \
-    X(ATTACHMENT_SIZE, "attachments differ in size or layers")                                     \
+    X(ATTACHMENT_SIZE, "attachments differ in size, layers or samples")                            \
     X(ATTACHMENT_HAZARD, "an attachment is also bound for reading or writing")                     \
     X(OUTPUT_TYPE, "the program writes no output of this attachment's type")                       \
+    X(SAMPLE_MASK, "samples are masked in full-screen passes on multisampled attachments only")    \
     X(ATTACHMENT_READ, "the program reads other attachments than the pass says")                   \
     X(ORDERED_MISSING, "the device has no ordered attachments that can be read")                   \
     X(OPAQUE_WRITES, "storage is written beside an opaque colour output")                          \
@@ -87,7 +89,8 @@ void gpu_enumerate(void (*found)(void *user, const gpu_device_info *info, uint32
 
 /* Facts by string id; unknown = 0. Limits: limit.storage_range, limit.image_size, limit.groups,
  * limit.storage_blocks (of one shader stage),
- * limit.memory (bytes of device memory, 0 unknown), limit.subgroup (size). Features:
+ * limit.memory (bytes of device memory, 0 unknown), limit.subgroup (size), limit.samples (of an
+ * image, 1 = none is multisampled). Features:
  * feature.int64_atomics, feature.fragment_interlock, feature.raster_order_attachments,
  * feature.framebuffer_fetch, feature.subgroup_ballot, feature.stencil_export. Self-tests (run when
  * first asked, cached per driver): selftest.timestamps, selftest.ordered_rmw,

@@ -56,6 +56,11 @@ static int check_image_use(gpu *g, const gpu_binding *binding, const gpu_object 
                         object->label, image->layers ? "has" : "is without");
         return 0;
     }
+    if ((image->samples > 1) != (binding->multisampled != 0)) {
+        gpu_record_fail(g, GPU_ERROR_IMAGE_SAMPLES, "'%s': image '%s' of %u samples", binding->name,
+                        object->label, image->samples);
+        return 0;
+    }
     int fits = gpu_format_is_integer(image->format) == (binding->is_unsigned != 0);
     if (binding->kind == GPU_BINDING_STORAGE_IMAGE)
         fits = fits && !gpu_format_is_depth(image->format) &&

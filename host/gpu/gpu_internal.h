@@ -38,7 +38,7 @@ typedef struct gpu_storage {
 typedef struct gpu_history { /* contents that outlive a scope, by name */
     struct gpu_history *next;
     gpu_storage *storage;
-    uint32_t format, width, height, layers; /* images */
+    uint32_t format, width, height, layers, samples; /* images */
     char name[64];
 } gpu_history;
 
@@ -61,7 +61,7 @@ typedef struct gpu_buffer_state {
 
 typedef struct gpu_image_state {
     gpu_storage *storage;
-    uint32_t format, width, height, layers;
+    uint32_t format, width, height, layers, samples;
 } gpu_image_state;
 
 typedef struct gpu_pool_state {

@@ -208,10 +208,14 @@ strata_result gpu_storage_buffer(gpu *g, gpu_owner *owner, const strata_buffer_d
     return STRATA_OK;
 }
 
+static uint64_t image_bytes(const strata_image_desc *desc) {
+    return (uint64_t)desc->width * desc->height * (desc->layers ? desc->layers : 1) *
+           desc->samples * gpu_format_bytes(desc->format);
+}
+
 static strata_result storage_image(gpu *g, gpu_owner *owner, const strata_image_desc *desc,
                                    gpu_storage **out, base_error *err) {
-    uint64_t texels = (uint64_t)desc->width * desc->height * (desc->layers ? desc->layers : 1);
-    gpu_storage *storage = storage_new(owner, texels * gpu_format_bytes(desc->format), 1);
+    gpu_storage *storage = storage_new(owner, image_bytes(desc), 1);
     if (!storage)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory", desc->label);
     strata_result result =
@@ -275,7 +279,8 @@ static gpu_storage *history_reuse(gpu_owner *owner, const char *name,
     gpu_history *history = history_find(owner, name);
     if (!history || history->storage->is_image != is_image || history->storage->bytes != bytes ||
         history->format != description->format || history->width != description->width ||
-        history->height != description->height || history->layers != description->layers)
+        history->height != description->height || history->layers != description->layers ||
+        history->samples != description->samples)
         return NULL;
     history->storage->references++;
     return history->storage;
@@ -352,6 +357,14 @@ static strata_result check_image(gpu *g, const gpu_owner *owner, const strata_im
         desc->height > g->caps.image_size || desc->layers > 2048)
         return gpu_fail(g, err, GPU_ERROR_IMAGE_SIZE, "%s: image '%s' of %ux%u, %u layers",
                         owner->name, desc->label, desc->width, desc->height, desc->layers);
+    if (desc->samples > g->caps.samples || (desc->samples & (desc->samples - 1)) ||
+        (desc->samples > 1 && (desc->layers || gpu_format_is_integer(desc->format) ||
+                               desc->format == STRATA_FORMAT_RGBA8_SRGB)))
+        return gpu_fail(g, err, GPU_ERROR_IMAGE_SAMPLES,
+                        "%s: image '%s' of %u samples, %u layers, format %u; the most samples are "
+                        "%u",
+                        owner->name, desc->label, desc->samples, desc->layers, desc->format,
+                        g->caps.samples);
     return STRATA_OK;
 }
 
@@ -364,20 +377,23 @@ strata_result gpu_image_create(gpu_scope *scope, const strata_image_desc *given,
     strata_result result = gpu_creation(g, "an image", err);
     if (result == STRATA_OK)
         result = gpu_take(g, err, given, &desc, sizeof desc, "strata_image_desc");
-    if (result == STRATA_OK)
-        result = check_image(g, owner, &desc, err);
+    if (result != STRATA_OK)
+        return result;
+    desc.samples = desc.samples ? desc.samples : 1;
+    result = check_image(g, owner, &desc, err);
     if (result != STRATA_OK)
         return result;
 
     gpu_object *object = gpu_object_new(scope, GPU_IMAGE, desc.label);
     if (!object)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "%s: no memory", desc.label);
-    const gpu_history shape = {
-        .format = desc.format, .width = desc.width, .height = desc.height, .layers = desc.layers};
-    uint64_t bytes = (uint64_t)desc.width * desc.height * (desc.layers ? desc.layers : 1) *
-                     gpu_format_bytes(desc.format);
+    const gpu_history shape = {.format = desc.format,
+                               .width = desc.width,
+                               .height = desc.height,
+                               .layers = desc.layers,
+                               .samples = desc.samples};
     gpu_storage *storage =
-        desc.history ? history_reuse(owner, desc.history, &shape, bytes, 1) : NULL;
+        desc.history ? history_reuse(owner, desc.history, &shape, image_bytes(&desc), 1) : NULL;
     if (!storage) {
         result = storage_image(g, owner, &desc, &storage, err);
         if (result == STRATA_OK && desc.history)
@@ -387,7 +403,8 @@ strata_result gpu_image_create(gpu_scope *scope, const strata_image_desc *given,
                                       .format = desc.format,
                                       .width = desc.width,
                                       .height = desc.height,
-                                      .layers = desc.layers};
+                                      .layers = desc.layers,
+                                      .samples = desc.samples};
     if (result != STRATA_OK) {
         gpu_object_drop(g, object);
         return result;

@@ -19,7 +19,7 @@ typedef struct pass_context {
     gpu_native_pass native;
     gpu_resolved resolved;
     gpu_uses attachments;
-    uint32_t layers; /* of every attachment; 0: none yet */
+    uint32_t layers, samples; /* of every attachment; 0: none yet */
 } pass_context;
 
 /* ---- attachments ---------------------------------------------------------------------------- */
@@ -29,7 +29,26 @@ static int fail(pass_context *c, gpu_code code, const char *what) {
     return 0;
 }
 
-/* Finds the image; all attachments have one size and as many layers, and none is there twice. */
+/* All attachments have one size, as many layers and as many samples. */
+static int fits(pass_context *c, const gpu_object *object, const char *name) {
+    const gpu_image_state *image = &object->image;
+    const uint32_t layers = image->layers ? image->layers : 1;
+    if (!c->layers || (c->native.width == image->width && c->native.height == image->height &&
+                       c->layers == layers && c->samples == image->samples)) {
+        c->native.width = image->width;
+        c->native.height = image->height;
+        c->layers = layers;
+        c->samples = image->samples;
+        return 1;
+    }
+    gpu_record_fail(c->g, GPU_ERROR_ATTACHMENT_SIZE,
+                    "%s: image '%s' of %ux%u, %u layers, %u samples beside %ux%u, %u, %u", name,
+                    object->label, image->width, image->height, layers, image->samples,
+                    c->native.width, c->native.height, c->layers, c->samples);
+    return 0;
+}
+
+/* Finds the image, which fits those before it and is none of them. */
 static gpu_object *attach(pass_context *c, const strata_attachment *attachment, const char *name,
                           uint32_t access) {
     gpu_code code;
@@ -44,35 +63,23 @@ static gpu_object *attach(pass_context *c, const strata_attachment *attachment, 
         gpu_record_fail(c->g, GPU_ERROR_VALUE, "%s: image '%s'", name, object->label);
         return NULL;
     }
-    if (c->native.width && (c->native.width != image->width || c->native.height != image->height)) {
-        gpu_record_fail(c->g, GPU_ERROR_ATTACHMENT_SIZE, "%s: image '%s' of %ux%u beside %ux%u",
-                        name, object->label, image->width, image->height, c->native.width,
-                        c->native.height);
+    if (!fits(c, object, name))
         return NULL;
-    }
-    const uint32_t layers = image->layers ? image->layers : 1;
-    if (c->layers && c->layers != layers) {
-        gpu_record_fail(c->g, GPU_ERROR_ATTACHMENT_SIZE, "%s: image '%s' of %u layers beside %u",
-                        name, object->label, layers, c->layers);
-        return NULL;
-    }
     for (uint32_t i = 0; i < c->attachments.count; i++)
         if (c->attachments.items[i].storage == image->storage) {
             gpu_record_fail(c->g, GPU_ERROR_ATTACHMENT_HAZARD, "%s: image '%s'", name,
                             object->label);
             return NULL;
         }
-    if (attachment->read && (access != GPU_ACCESS_COLOR || c->native.call || image->layers ||
-                             attachment->read > 1 || attachment->blend != STRATA_BLEND_NONE)) {
+    if (attachment->read &&
+        (access != GPU_ACCESS_COLOR || c->native.call || image->layers || image->samples > 1 ||
+         attachment->read > 1 || attachment->blend != STRATA_BLEND_NONE)) {
         gpu_record_fail(c->g, GPU_ERROR_VALUE, "%s: image '%s' cannot be read", name,
                         object->label);
         return NULL;
     }
     if (attachment->read)
         access |= GPU_ACCESS_COLOR_READ;
-    c->native.width = image->width;
-    c->native.height = image->height;
-    c->layers = layers;
     gpu_uses_add(&c->attachments, image->storage, c->native.call ? GPU_ACCESS_NATIVE : access, 0);
     return object;
 }
@@ -291,6 +298,18 @@ static int take_groups(pass_context *c) {
     return 1;
 }
 
+/* Not of draws: OpenGL masks samples only where it multisamples, and there a fragment need not
+ * reach all of them. */
+static int check_sample_mask(pass_context *c) {
+    const uint64_t mask = c->pass.sample_mask;
+    if (mask && (c->pass.draws.id || c->samples < 2 || mask >> c->samples)) {
+        gpu_record_fail(c->g, GPU_ERROR_SAMPLE_MASK, "mask 0x%x of %u samples", c->pass.sample_mask,
+                        c->samples);
+        return 0;
+    }
+    return 1;
+}
+
 /* ---- between resources ---------------------------------------------------------------------- */
 
 static int check_feedback(pass_context *c) {
@@ -373,9 +392,9 @@ static int take_pass(pass_context *c, const strata_pass *given) {
     if (!gpu_bind_resolve(c->g, &c->pass, c->program, &c->resolved))
         return 0;
     if (c->program->program->kind == STRATA_PROGRAM_COMPUTE)
-        return take_groups(c);
-    return take_color(c) && take_depth(c) && take_target(c) && take_draws(c) && check_feedback(c) &&
-           check_opaque_writes(c) && take_reads(c);
+        return check_sample_mask(c) && take_groups(c);
+    return take_color(c) && take_depth(c) && check_sample_mask(c) && take_target(c) &&
+           take_draws(c) && check_feedback(c) && check_opaque_writes(c) && take_reads(c);
 }
 
 static void record(pass_context *c) {

@@ -266,6 +266,9 @@ static strata_result host_image(gpu *g, strata_image image, uint32_t layer, gpu_
         return gpu_fail(g, err, code, "image %u", image.id);
     if (g->open)
         return gpu_fail(g, err, GPU_ERROR_STATE, "image '%s' while recording", (*out)->label);
+    if ((*out)->image.samples > 1)
+        return gpu_fail(g, err, GPU_ERROR_IMAGE_SAMPLES, "image '%s' of %u samples", (*out)->label,
+                        (*out)->image.samples);
     if (layer >= ((*out)->image.layers ? (*out)->image.layers : 1))
         return gpu_fail(g, err, GPU_ERROR_IMAGE_SIZE, "image '%s': layer %u", (*out)->label, layer);
     return STRATA_OK;

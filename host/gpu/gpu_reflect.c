@@ -77,12 +77,14 @@ static strata_result describe_image(reflection_context *c, const spvc_reflected_
     spvc_type sampled =
         spvc_compiler_get_type_handle(c->compiler, spvc_type_get_image_sampled_type(type));
     spvc_basetype base = sampled ? spvc_type_get_basetype(sampled) : SPVC_BASETYPE_UNKNOWN;
-    if (spvc_type_get_num_array_dimensions(type) || spvc_type_get_image_multisampled(type) ||
+    binding->arrayed = spvc_type_get_image_arrayed(type) ? 1 : 0;
+    binding->multisampled = spvc_type_get_image_multisampled(type) ? 1 : 0;
+    if (spvc_type_get_num_array_dimensions(type) ||
+        (binding->multisampled && (binding->arrayed || binding->kind != GPU_BINDING_SAMPLED)) ||
         spvc_type_get_image_dimension(type) != SpvDim2D || base == SPVC_BASETYPE_INT32)
         return base_fail(c->err, STRATA_ERROR_SHADER,
                          "%s: '%s' is not a 2D image or array of floats or unsigned integers",
                          c->label, binding->name);
-    binding->arrayed = spvc_type_get_image_arrayed(type) ? 1 : 0;
     binding->is_unsigned = base == SPVC_BASETYPE_UINT32;
     if (binding->kind == GPU_BINDING_STORAGE_IMAGE)
         binding->format = image_format(spvc_type_get_image_storage_format(type));
@@ -156,8 +158,8 @@ static strata_result merge(reflection_context *c, const gpu_binding *found, uint
         *binding = *found;
         out->binding_count++;
     } else if (binding->kind != found->kind || binding->format != found->format ||
-               binding->arrayed != found->arrayed || binding->size != found->size ||
-               (binding->stages & found->stages)) {
+               binding->arrayed != found->arrayed || binding->multisampled != found->multisampled ||
+               binding->size != found->size || (binding->stages & found->stages)) {
         return base_fail(c->err, STRATA_ERROR_SHADER, "%s: '%s' is declared in two ways", c->label,
                          found->name);
     } else {

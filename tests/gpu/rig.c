@@ -54,18 +54,29 @@ strata_buffer rig_buffer(rig *r, const char *label, uint64_t size, const void *d
     return out;
 }
 
-strata_image rig_image(rig *r, const char *label, uint32_t format, uint32_t width, uint32_t height,
-                       uint32_t layers) {
-    const strata_image_desc desc = {.struct_size = sizeof desc,
-                                    .format = format,
-                                    .label = label,
-                                    .width = width,
-                                    .height = height,
-                                    .layers = layers};
+static strata_image make_image(rig *r, strata_image_desc desc) {
     base_error err = {0};
     strata_image out = {0};
+    desc.struct_size = sizeof desc;
     succeed(r, gpu_image_create(r->scope, &desc, &out, &err), &err);
     return out;
+}
+
+strata_image rig_image(rig *r, const char *label, uint32_t format, uint32_t width, uint32_t height,
+                       uint32_t layers) {
+    return make_image(
+        r,
+        (strata_image_desc){
+            .format = format, .label = label, .width = width, .height = height, .layers = layers});
+}
+
+strata_image rig_multisampled(rig *r, const char *label, uint32_t format, uint32_t width,
+                              uint32_t height, uint32_t samples) {
+    return make_image(r, (strata_image_desc){.format = format,
+                                             .label = label,
+                                             .width = width,
+                                             .height = height,
+                                             .samples = samples});
 }
 
 strata_program rig_program(rig *r, uint32_t kind, const char *text) {

@@ -33,6 +33,8 @@ void rig_clear(rig *r);
 strata_buffer rig_buffer(rig *r, const char *label, uint64_t size, const void *data);
 strata_image rig_image(rig *r, const char *label, uint32_t format, uint32_t width, uint32_t height,
                        uint32_t layers);
+strata_image rig_multisampled(rig *r, const char *label, uint32_t format, uint32_t width,
+                              uint32_t height, uint32_t samples);
 /* `text` must be a literal: programs keep it. */
 strata_program rig_program(rig *r, uint32_t kind, const char *text);
 strata_draws rig_draws(rig *r, strata_buffer commands, strata_buffer count, strata_buffer indices,

@@ -68,6 +68,20 @@ static inline strata_image make_image(fixture *f, const char *label, uint32_t fo
     return image;
 }
 
+/* 16x16, of RGBA32F. */
+static inline strata_image make_multisampled(fixture *f, const char *label, uint32_t samples) {
+    strata_image image;
+    const strata_image_desc desc = {.struct_size = sizeof desc,
+                                    .label = label,
+                                    .format = STRATA_FORMAT_RGBA32F,
+                                    .width = 16,
+                                    .height = 16,
+                                    .samples = samples};
+    if (gpu_image_create(f->scope, &desc, &image, &f->err) != STRATA_OK)
+        fail_msg("%s", f->err.text);
+    return image;
+}
+
 static inline strata_program make_program(fixture *f, uint32_t kind, const strata_glsl *source) {
     strata_program program;
     const strata_program_desc desc = {

@@ -36,6 +36,43 @@ static void test_create_image(void **state) {
     failed(w, gpu_image_create(w->f.scope, &desc, &image, &w->f.err), GPU_ERROR_IMAGE_SIZE, "'i'");
 }
 
+static void test_create_multisampled(void **state) {
+    world *w = *state;
+    strata_image image;
+    const strata_image_desc sound = {.struct_size = sizeof sound,
+                                     .label = "i",
+                                     .format = STRATA_FORMAT_D32F_S8,
+                                     .width = 4,
+                                     .height = 4,
+                                     .samples = 8};
+    strata_image_desc bad[] = {sound, sound, sound, sound, sound};
+    bad[0].samples = 16; /* limit.samples is 8 */
+    bad[1].samples = 6;
+    bad[2].layers = 1;
+    bad[3].format = STRATA_FORMAT_R32U;
+    bad[4].format = STRATA_FORMAT_RGBA8_SRGB;
+    assert_int_equal(gpu_fact(w->f.g, "limit.samples"), 8);
+    for (size_t i = 0; i < BASE_COUNT(bad); i++)
+        failed(w, gpu_image_create(w->f.scope, &bad[i], &image, &w->f.err), GPU_ERROR_IMAGE_SAMPLES,
+               "image 'i'");
+    const uint64_t before = gpu_bytes(w->f.g, "test");
+    assert_int_equal(gpu_image_create(w->f.scope, &sound, &image, &w->f.err), STRATA_OK);
+    assert_int_equal(gpu_bytes(w->f.g, "test"), before + 4 * 4 * 8 * 8);
+    assert_logged(&w->f, "image i 4x4x0 format 10 samples 8\n");
+}
+
+/* One sample is as good as none said; the host has no way into several. */
+static void test_host_access_to_samples(void **state) {
+    world *w = *state;
+    float texels[16 * 16 * 4] = {0};
+    const strata_image one = make_multisampled(&w->f, "one", 1);
+    assert_int_equal(gpu_image_read(w->f.g, one, 0, texels, sizeof texels, &w->f.err), STRATA_OK);
+    failed(w, gpu_image_read(w->f.g, w->multisampled, 0, texels, sizeof texels, &w->f.err),
+           GPU_ERROR_IMAGE_SAMPLES, "4 samples");
+    failed(w, gpu_image_write(w->f.g, w->multisampled, 0, 0, 0, 1, 1, texels, &w->f.err),
+           GPU_ERROR_IMAGE_SAMPLES, "4 samples");
+}
+
 static void test_create_pool(void **state) {
     world *w = *state;
     strata_pool pool;
@@ -180,6 +217,8 @@ static void test_inject_text(void **state) {
 const struct CMUnitTest creation_tests[] = {
     IN_WORLD(test_create_buffer),
     IN_WORLD(test_create_image),
+    IN_WORLD(test_create_multisampled),
+    IN_WORLD(test_host_access_to_samples),
     IN_WORLD(test_create_pool),
     IN_WORLD(test_create_program),
     IN_WORLD(test_create_too_many_blocks),

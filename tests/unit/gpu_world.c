@@ -62,6 +62,7 @@ int open_world(void **state) {
     w->layered = make_image(f, "layered", STRATA_FORMAT_RGBA32F, 16, 16, 2);
     w->integer = make_image(f, "integer", STRATA_FORMAT_R32U, 16, 16, 0);
     w->srgb = make_image(f, "srgb", STRATA_FORMAT_RGBA8_SRGB, 16, 16, 0);
+    w->multisampled = make_multisampled(f, "multisampled", 4);
     w->compute = make_program(f, STRATA_PROGRAM_COMPUTE, &compute_source);
     w->fullscreen = make_program(f, STRATA_PROGRAM_FULLSCREEN, &color_source);
     w->writing = make_program(f, STRATA_PROGRAM_FULLSCREEN, &write_source);

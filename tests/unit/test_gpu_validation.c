@@ -405,6 +405,92 @@ static void test_read_attachments(void **state) {
     gpu_close(lacking.g);
 }
 
+static void test_multisampled_attachments(void **state) {
+    world *w = *state;
+    strata_attachment two[2] = {w->attachment, w->attachment};
+    two[0].image = w->multisampled;
+    w->draw.color = two;
+    accepted(w, &w->draw);
+    two[1].image = w->other;
+    two[1].mask_off = 15;
+    w->draw.color_count = 2;
+    refused(w, &w->draw, GPU_ERROR_ATTACHMENT_SIZE, "1 samples beside 16x16, 1, 4");
+    w->draw.color_count = 1;
+    two[0].read = 1;
+    w->draw.program = w->replacing;
+    const strata_bind bind = bind_buffer("Values", w->values);
+    w->draw.binds = &bind;
+    w->draw.bind_count = 1;
+    refused(w, &w->draw, GPU_ERROR_VALUE, "multisampled");
+}
+
+static void test_sample_mask(void **state) {
+    world *w = *state;
+    w->draw.sample_mask = 1;
+    refused(w, &w->draw, GPU_ERROR_SAMPLE_MASK, "mask 0x1 of 1 samples");
+    w->dispatch.sample_mask = 1;
+    refused(w, &w->dispatch, GPU_ERROR_SAMPLE_MASK, "mask 0x1 of 0 samples");
+    w->attachment.image = w->multisampled;
+    w->draw.sample_mask = 10;
+    accepted(w, &w->draw);
+    assert_logged(&w->f, "color multisampled samples 0xa");
+    w->draw.sample_mask = 16;
+    refused(w, &w->draw, GPU_ERROR_SAMPLE_MASK, "mask 0x10 of 4 samples");
+}
+
+/* Draws reach all samples. */
+static void test_sample_mask_of_draws(void **state) {
+    static const char *const globals[] = {"StrataFrame", "StrataRecords", "StrataPositions",
+                                          "StrataMaterials"};
+    world *w = *state;
+    const gpu_draws_desc desc = {.commands = w->values, .indices = w->extra, .capacity = 1};
+    for (size_t i = 0; i < BASE_COUNT(globals); i++) {
+        const strata_bind bind = bind_buffer(globals[i], w->values);
+        assert_int_equal(gpu_set_global(w->f.g, globals[i], &bind, &w->f.err), STRATA_OK);
+    }
+    assert_int_equal(gpu_draws_create(w->f.scope, &desc, &w->draw.draws, &w->f.err), STRATA_OK);
+    w->draw.program = w->scene;
+    w->attachment.image = w->multisampled;
+    accepted(w, &w->draw);
+    w->draw.sample_mask = 1;
+    refused(w, &w->draw, GPU_ERROR_SAMPLE_MASK, "mask 0x1 of 4 samples");
+}
+
+static void test_multisampled_binds(void **state) {
+    static const strata_glsl sampling = {
+        "layout(location = 0) out vec4 color;\n"
+        "uniform sampler2DMS samples;\n"
+        "void main() { color = texelFetch(samples, ivec2(0), 3); }\n",
+        "sampling.glsl"};
+    static const strata_glsl storing = {
+        "layout(location = 0) out vec4 color;\n"
+        "layout(rgba32f) uniform readonly image2DMS samples;\n"
+        "void main() { color = imageLoad(samples, ivec2(0), 3); }\n",
+        "storing.glsl"};
+    world *w = *state;
+    strata_bind bind = bind_image("samples", w->multisampled);
+    w->draw.program = make_program(&w->f, STRATA_PROGRAM_FULLSCREEN, &sampling);
+    w->draw.binds = &bind;
+    w->draw.bind_count = 1;
+    accepted(w, &w->draw);
+    assert_logged(&w->f, "samples=multisampled");
+    bind.image = w->other;
+    refused(w, &w->draw, GPU_ERROR_IMAGE_SAMPLES, "image 'other' of 1 samples");
+    const strata_bind images[] = {bind_image("plain", w->multisampled),
+                                  bind_image("stored", w->other)};
+    w->draw.program = w->reading;
+    w->draw.binds = images;
+    w->draw.bind_count = 2;
+    refused(w, &w->draw, GPU_ERROR_IMAGE_SAMPLES, "'plain': image 'multisampled' of 4 samples");
+    strata_program program;
+    const strata_program_desc desc = {.struct_size = sizeof desc,
+                                      .kind = STRATA_PROGRAM_FULLSCREEN,
+                                      .label = "storing",
+                                      .source = &storing};
+    assert_int_equal(gpu_program_create(w->f.scope, &desc, &program, &w->f.err),
+                     STRATA_ERROR_SHADER);
+}
+
 static void test_opaque_writes(void **state) {
     world *w = *state;
     const strata_bind binds[] = {bind_buffer("Values", w->values)};
@@ -430,13 +516,29 @@ static void test_all_caused(void **state) {
 
 int main(void) {
     const struct CMUnitTest pass_tests[] = {
-        IN_WORLD(test_sound),         IN_WORLD(test_state),       IN_WORLD(test_handles),
-        IN_WORLD(test_struct_size),   IN_WORLD(test_values),      IN_WORLD(test_label),
-        IN_WORLD(test_program_kind),  IN_WORLD(test_binds),       IN_WORLD(test_bind_pool_twice),
-        IN_WORLD(test_globals),       IN_WORLD(test_params),      IN_WORLD(test_ranges),
-        IN_WORLD(test_limits),        IN_WORLD(test_attachments), IN_WORLD(test_outputs),
-        IN_WORLD(test_target),        IN_WORLD(test_feedback),    IN_WORLD(test_read_attachments),
+        IN_WORLD(test_sound),
+        IN_WORLD(test_state),
+        IN_WORLD(test_handles),
+        IN_WORLD(test_struct_size),
+        IN_WORLD(test_values),
+        IN_WORLD(test_label),
+        IN_WORLD(test_program_kind),
+        IN_WORLD(test_binds),
+        IN_WORLD(test_bind_pool_twice),
+        IN_WORLD(test_globals),
+        IN_WORLD(test_params),
+        IN_WORLD(test_ranges),
+        IN_WORLD(test_limits),
+        IN_WORLD(test_attachments),
+        IN_WORLD(test_outputs),
+        IN_WORLD(test_target),
+        IN_WORLD(test_feedback),
+        IN_WORLD(test_read_attachments),
         IN_WORLD(test_opaque_writes),
+        IN_WORLD(test_multisampled_attachments),
+        IN_WORLD(test_sample_mask),
+        IN_WORLD(test_sample_mask_of_draws),
+        IN_WORLD(test_multisampled_binds),
     };
     const struct CMUnitTest last[] = {cmocka_unit_test(test_all_caused)};
     return cmocka_run_group_tests(pass_tests, NULL, NULL) +

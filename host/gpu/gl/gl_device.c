@@ -81,6 +81,17 @@ static uint32_t groups_limit(const gl *g) {
     return (uint32_t)least;
 }
 
+/* A power of two, in a mask's 32 bits. */
+static uint32_t samples_limit(const gl *g) {
+    static const GLenum limits[] = {GL_MAX_SAMPLES, GL_MAX_COLOR_TEXTURE_SAMPLES,
+                                    GL_MAX_DEPTH_TEXTURE_SAMPLES};
+    uint32_t samples = 32;
+    for (size_t i = 0; i < BASE_COUNT(limits); i++)
+        while (samples > 1 && (GLint)samples > integer_of(g, limits[i]))
+            samples /= 2;
+    return samples;
+}
+
 static void caps_fill(const gl *g, gpu_backend_caps *caps) {
     GLint64 range = 0;
     memset(caps, 0, sizeof *caps);
@@ -91,6 +102,7 @@ static void caps_fill(const gl *g, gpu_backend_caps *caps) {
         caps->memory = (uint64_t)integer_of(g, GL_GPU_MEMORY_INFO_DEDICATED_VIDMEM_NVX) * 1024u;
     caps->image_size = (uint32_t)integer_of(g, GL_MAX_TEXTURE_SIZE);
     caps->groups = groups_limit(g);
+    caps->samples = samples_limit(g);
     caps->storage_blocks = (uint32_t)integer_of(g, GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS);
     caps->subgroup = 1;
     if (gl_has(g, "GL_KHR_shader_subgroup")) {

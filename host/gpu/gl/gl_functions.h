@@ -88,6 +88,7 @@
     X(PIXELSTOREI, PixelStorei)                                                                    \
     X(POLYGONMODE, PolygonMode)                                                                    \
     X(PROVOKINGVERTEX, ProvokingVertex)                                                            \
+    X(SAMPLEMASKI, SampleMaski)                                                                    \
     X(SCISSOR, Scissor)                                                                            \
     X(SHADERBINARY, ShaderBinary)                                                                  \
     X(SHADERSOURCE, ShaderSource)                                                                  \
@@ -96,6 +97,7 @@
     X(STENCILOP, StencilOp)                                                                        \
     X(TEXTUREPARAMETERI, TextureParameteri)                                                        \
     X(TEXTURESTORAGE2D, TextureStorage2D)                                                          \
+    X(TEXTURESTORAGE2DMULTISAMPLE, TextureStorage2DMultisample)                                    \
     X(TEXTURESTORAGE3D, TextureStorage3D)                                                          \
     X(TEXTURESUBIMAGE2D, TextureSubImage2D)                                                        \
     X(TEXTURESUBIMAGE3D, TextureSubImage3D)                                                        \

@@ -34,6 +34,7 @@ typedef struct gl_image {
     GLuint name;
     const gl_format *format;
     uint32_t width, height, layers; /* layers 0: a plain 2D texture */
+    uint32_t samples;
 } gl_image;
 
 typedef struct gl_program {

@@ -10,7 +10,6 @@
 /* Whatever draws, dispatches, clears and transfers rely on, but for what each sets for itself. */
 void gl_state_set(gl *g) {
     static const GLenum off[] = {GL_DITHER,
-                                 GL_MULTISAMPLE,
                                  GL_RASTERIZER_DISCARD,
                                  GL_DEPTH_CLAMP,
                                  GL_COLOR_LOGIC_OP,
@@ -21,7 +20,6 @@ void gl_state_set(gl *g) {
                                  GL_SAMPLE_ALPHA_TO_COVERAGE,
                                  GL_SAMPLE_ALPHA_TO_ONE,
                                  GL_SAMPLE_COVERAGE,
-                                 GL_SAMPLE_MASK,
                                  GL_SAMPLE_SHADING,
                                  GL_FRAMEBUFFER_SRGB};
     static const GLenum zero[] = {
@@ -51,7 +49,8 @@ void gl_state_set(gl *g) {
 
 /* What a callback finds: ready to draw into the pass's target, inside its scissor. */
 static void state_open(gl *g, GLuint target, const gpu_native_pass *pass) {
-    static const GLenum off[] = {GL_DEPTH_TEST, GL_STENCIL_TEST, GL_CULL_FACE, GL_BLEND};
+    static const GLenum off[] = {GL_DEPTH_TEST, GL_STENCIL_TEST, GL_CULL_FACE,
+                                 GL_BLEND,      GL_MULTISAMPLE,  GL_SAMPLE_MASK};
     const gl_functions *fn = &g->fn;
     for (size_t i = 0; i < BASE_COUNT(off); i++)
         fn->Disable(off[i]);

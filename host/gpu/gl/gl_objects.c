@@ -88,18 +88,32 @@ void gl_clear_texel(const gl_format *format, const float value[4], uint32_t texe
         memcpy(texel, value, 4 * sizeof *texel);
 }
 
+static GLenum image_target(const gl_image *image) {
+    return image->samples > 1 ? GL_TEXTURE_2D_MULTISAMPLE
+           : image->layers    ? GL_TEXTURE_2D_ARRAY
+                              : GL_TEXTURE_2D;
+}
+
 static void image_fill_storage(gl *g, const gl_image *image) {
+    static const struct { /* multisampled textures have none */
+        GLenum name;
+        GLint value;
+    } sampling[] = {{GL_TEXTURE_MIN_FILTER, GL_NEAREST},
+                    {GL_TEXTURE_MAG_FILTER, GL_NEAREST},
+                    {GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE},
+                    {GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE}};
     const gl_format *format = image->format;
     GLsizei width = (GLsizei)image->width, height = (GLsizei)image->height;
-    if (image->layers)
+    if (image->samples > 1)
+        g->fn.TextureStorage2DMultisample(image->name, (GLsizei)image->samples, format->internal,
+                                          width, height, GL_TRUE);
+    else if (image->layers)
         g->fn.TextureStorage3D(image->name, 1, format->internal, width, height,
                                (GLsizei)image->layers);
     else
         g->fn.TextureStorage2D(image->name, 1, format->internal, width, height);
-    g->fn.TextureParameteri(image->name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    g->fn.TextureParameteri(image->name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    g->fn.TextureParameteri(image->name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    g->fn.TextureParameteri(image->name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    for (size_t i = 0; i < BASE_COUNT(sampling) && image->samples <= 1; i++)
+        g->fn.TextureParameteri(image->name, sampling[i].name, sampling[i].value);
     g->fn.ClearTexImage(image->name, 0, format->format, format->type, NULL);
 }
 
@@ -121,8 +135,9 @@ strata_result gl_image_create(void *self, const strata_image_desc *desc, void **
     *image = (gl_image){.format = &formats[desc->format],
                         .width = desc->width,
                         .height = desc->height,
-                        .layers = desc->layers};
-    g->fn.CreateTextures(image->layers ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D, 1, &image->name);
+                        .layers = desc->layers,
+                        .samples = desc->samples};
+    g->fn.CreateTextures(image_target(image), 1, &image->name);
     if (g->check)
         g->fn.ObjectLabel(GL_TEXTURE, image->name, -1, label);
     image_fill_storage(g, image);

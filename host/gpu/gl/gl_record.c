@@ -214,6 +214,15 @@ static void depth_state_set(gl *g, const gpu_native_pass *native) {
         g->fn.CullFace(pass->cull == 1 ? GL_BACK : GL_FRONT);
 }
 
+/* Without multisampling each fragment reaches all samples of its pixel, or none. A mask takes
+ * effect only with it; such passes cover pixels whole. */
+static void sample_state_set(gl *g, uint32_t mask) {
+    enable(g, GL_MULTISAMPLE, mask != 0);
+    enable(g, GL_SAMPLE_MASK, mask != 0);
+    if (mask)
+        g->fn.SampleMaski(0, mask);
+}
+
 /* ---- passes -----------------------------------------------------------------------------------
  */
 
@@ -262,6 +271,7 @@ static void raster_pass(gl *g, const gpu_native_pass *native) {
                   (GLsizei)native->scissor[3]);
     color_state_set(g, native);
     depth_state_set(g, native);
+    sample_state_set(g, native->pass->sample_mask);
     draw(g, native);
 }
 

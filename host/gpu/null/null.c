@@ -52,6 +52,7 @@ static strata_result null_open(const gpu_open_info *info, void **self, gpu_backe
                                .image_size = 16384,
                                .groups = 65535,
                                .subgroup = 1,
+                               .samples = 8,
                                .raster_order_attachments = 1,
                                .vulkan_target = 1};
     snprintf(caps->name, sizeof caps->name, "null");
@@ -121,7 +122,8 @@ static strata_result null_image_create(void *self, const strata_image_desc *desc
                                        base_error *err) {
     null_device *device = self;
     uint32_t layers = desc->layers ? desc->layers : 1;
-    uint64_t size = (uint64_t)desc->width * desc->height * layers * gpu_format_bytes(desc->format);
+    uint64_t size = (uint64_t)desc->width * desc->height * layers * desc->samples *
+                    gpu_format_bytes(desc->format);
     null_object *object = object_new(desc->label, size);
     if (!object)
         return base_fail(err, STRATA_ERROR_OUT_OF_DEVICE_MEMORY, "%s: no memory", desc->label);
@@ -129,8 +131,11 @@ static strata_result null_image_create(void *self, const strata_image_desc *desc
     object->height = desc->height;
     object->layers = layers;
     object->format = desc->format;
-    base_text_add(&device->log, "image %s %ux%ux%u format %u\n", desc->label, desc->width,
+    base_text_add(&device->log, "image %s %ux%ux%u format %u", desc->label, desc->width,
                   desc->height, desc->layers, desc->format);
+    if (desc->samples > 1)
+        base_text_add(&device->log, " samples %u", desc->samples);
+    base_text_add(&device->log, "\n");
     *native = object;
     return STRATA_OK;
 }
@@ -285,6 +290,8 @@ static void null_pass(void *self, const gpu_native_pass *native) {
                       ((const null_object *)native->color[i])->label);
     if (native->depth)
         base_text_add(log, " depth %s", ((const null_object *)native->depth)->label);
+    if (pass->sample_mask)
+        base_text_add(log, " samples 0x%x", pass->sample_mask);
     for (uint32_t i = 0; i < native->bind_count; i++)
         base_text_add(log, " %s=%s", native->binds[i].binding->name,
                       ((const null_object *)native->binds[i].native)->label);

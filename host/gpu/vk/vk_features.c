@@ -19,7 +19,7 @@ typedef struct vk_features {
 } vk_features;
 
 typedef struct vk_optional { /* extensions that the device has */
-    int interlock, raster_order, stencil_export;
+    int interlock, raster_order, stencil_export, sample_locations;
 } vk_optional;
 
 static void chain(vk_features *f, const vk_optional *has) {
@@ -59,6 +59,7 @@ static strata_result find_extensions(const vk *v, vk_optional *has, base_error *
         const char *name = list[i].extensionName;
         has->interlock |= !strcmp(name, VK_EXT_FRAGMENT_SHADER_INTERLOCK_EXTENSION_NAME);
         has->stencil_export |= !strcmp(name, VK_EXT_SHADER_STENCIL_EXPORT_EXTENSION_NAME);
+        has->sample_locations |= !strcmp(name, VK_EXT_SAMPLE_LOCATIONS_EXTENSION_NAME);
         has->raster_order |=
             !strcmp(name, VK_EXT_RASTERIZATION_ORDER_ATTACHMENT_ACCESS_EXTENSION_NAME);
     }
@@ -119,6 +120,24 @@ static void enable_optional(const vk_features *has, vk_features *f) {
         has->raster_order.rasterizationOrderColorAttachmentAccess;
 }
 
+/* How many samples an image can have, in a mask's 32 bits; which numbers of them can be placed. */
+static void find_samples(vk *v, const vk_optional *has, gpu_backend_caps *caps) {
+    VkPhysicalDeviceSampleLocationsPropertiesEXT locations = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SAMPLE_LOCATIONS_PROPERTIES_EXT};
+    VkPhysicalDeviceProperties2 all = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
+                                       .pNext = has->sample_locations ? &locations : NULL};
+    vkGetPhysicalDeviceProperties2(v->physical, &all);
+    const VkPhysicalDeviceLimits *l = &all.properties.limits;
+    const VkSampleCountFlags any =
+        l->framebufferColorSampleCounts & l->framebufferDepthSampleCounts &
+        l->framebufferStencilSampleCounts & l->sampledImageColorSampleCounts &
+        l->sampledImageDepthSampleCounts;
+    v->placed = locations.sampleLocationSampleCounts & ~(VkFlags)VK_SAMPLE_COUNT_1_BIT;
+    caps->samples = VK_SAMPLE_COUNT_32_BIT;
+    while (caps->samples > VK_SAMPLE_COUNT_1_BIT && !(any & caps->samples))
+        caps->samples >>= 1;
+}
+
 static void fill_caps(const vk *v, const vk_features *f, const vk_optional *has,
                       gpu_backend_caps *caps) {
     VkPhysicalDeviceSubgroupProperties subgroup = {
@@ -158,7 +177,7 @@ static strata_result find_queue(vk *v, base_error *err) {
 strata_result vk_device_create(vk *v, gpu_backend_caps *caps, base_error *err) {
     vk_features has, use;
     vk_optional optional;
-    const char *extensions[3];
+    const char *extensions[4];
     uint32_t extension_count = 0;
     const float priority = 1.0f;
     strata_result result = find_queue(v, err);
@@ -179,6 +198,8 @@ strata_result vk_device_create(vk *v, gpu_backend_caps *caps, base_error *err) {
         extensions[extension_count++] = VK_EXT_RASTERIZATION_ORDER_ATTACHMENT_ACCESS_EXTENSION_NAME;
     if (optional.stencil_export)
         extensions[extension_count++] = VK_EXT_SHADER_STENCIL_EXPORT_EXTENSION_NAME;
+    if (optional.sample_locations)
+        extensions[extension_count++] = VK_EXT_SAMPLE_LOCATIONS_EXTENSION_NAME;
     const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                            .queueFamilyIndex = v->family,
                                            .queueCount = 1,
@@ -194,5 +215,6 @@ strata_result vk_device_create(vk *v, gpu_backend_caps *caps, base_error *err) {
         return vk_fail(v, code, err, "device");
     vkGetDeviceQueue(v->device, v->family, 0, &v->queue);
     fill_caps(v, &use, &optional, caps);
+    find_samples(v, &optional, caps);
     return STRATA_OK;
 }

@@ -50,7 +50,7 @@ typedef struct vk_image {
     VkImageAspectFlags aspects;
     uint32_t texel; /* bytes a texel on the host; depth with stencil: depth word, stencil word */
     uint32_t integer;
-    uint32_t width, height, layers; /* layers >= 1 */
+    uint32_t width, height, layers, samples; /* layers and samples >= 1 */
 } vk_image;
 
 /* ---- programs: vk_program.c ------------------------------------------------------------- */
@@ -60,6 +60,7 @@ typedef struct vk_image {
 typedef struct vk_pipeline_key {
     uint32_t color_count, depth_format;
     uint32_t reads; /* bit i: colour attachment i is read too */
+    uint32_t samples, sample_mask;
     uint32_t formats[GPU_VK_MAX_COLORS], blends[GPU_VK_MAX_COLORS], mask_off[GPU_VK_MAX_COLORS];
 } vk_pipeline_key;
 
@@ -93,7 +94,8 @@ typedef struct vk {
     VkPhysicalDeviceLimits limits;
     VkPhysicalDeviceMemoryProperties memory;
     VkDeviceSize allocation_limit;
-    uint64_t timestamp_mask; /* 0: the queue has no timestamps */
+    uint64_t timestamp_mask;   /* 0: the queue has no timestamps */
+    VkSampleCountFlags placed; /* numbers of samples, above 1, whose places can be set */
 
     int check, lost;
     VkDebugUtilsMessengerEXT messenger;

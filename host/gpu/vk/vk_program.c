@@ -202,6 +202,9 @@ static vk_pipeline_key make_key(const gpu_native_pass *pass) {
     key.reads = vk_reads(pass);
     if (pass->depth)
         key.depth_format = ((const vk_image *)pass->depth)->format;
+    const vk_image *any = pass->depth ? pass->depth : pass->color[0];
+    key.samples = any ? any->samples : VK_SAMPLE_COUNT_1_BIT;
+    key.sample_mask = p->sample_mask ? p->sample_mask : UINT32_MAX;
     return key;
 }
 
@@ -221,9 +224,6 @@ static const VkPipelineRasterizationStateCreateInfo filled = {
     .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
     .frontFace = VK_FRONT_FACE_CLOCKWISE,
     .lineWidth = 1.0f};
-static const VkPipelineMultisampleStateCreateInfo one_sample = {
-    .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-    .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
 static const VkPipelineDepthStencilStateCreateInfo depth_stencil = {
     .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
 static const VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT,
@@ -242,11 +242,39 @@ static const VkPipelineDynamicStateCreateInfo dynamic = {
     .dynamicStateCount = BASE_COUNT(dynamic_states),
     .pDynamicStates = dynamic_states};
 
+typedef struct vk_multisample {
+    VkPipelineMultisampleStateCreateInfo state;
+    VkPipelineSampleLocationsStateCreateInfoEXT places;
+    VkSampleLocationEXT centres[VK_SAMPLE_COUNT_32_BIT];
+} vk_multisample;
+
+/* Samples lie at the pixel's centre where the device can place them, else where it likes. */
+static void describe_samples(const vk *v, const vk_pipeline_key *key, vk_multisample *out) {
+    const VkSampleCountFlagBits samples = (VkSampleCountFlagBits)key->samples;
+    for (uint32_t i = 0; i < key->samples; i++)
+        out->centres[i] = (VkSampleLocationEXT){0.5f, 0.5f};
+    out->places = (VkPipelineSampleLocationsStateCreateInfoEXT){
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_SAMPLE_LOCATIONS_STATE_CREATE_INFO_EXT,
+        .sampleLocationsEnable = VK_TRUE,
+        .sampleLocationsInfo = {.sType = VK_STRUCTURE_TYPE_SAMPLE_LOCATIONS_INFO_EXT,
+                                .sampleLocationsPerPixel = samples,
+                                .sampleLocationGridSize = {1, 1},
+                                .sampleLocationsCount = key->samples,
+                                .pSampleLocations = out->centres}};
+    out->state = (VkPipelineMultisampleStateCreateInfo){
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+        .pNext = v->placed & samples ? &out->places : NULL,
+        .rasterizationSamples = samples,
+        .pSampleMask = &key->sample_mask};
+}
+
 /* `ordered`: the render pass of passes that read attachments, else none. */
 static VkResult create_graphics(vk *v, const vk_program *program, const vk_pipeline_key *key,
                                 VkRenderPass ordered, VkPipeline *out) {
     VkPipelineColorBlendAttachmentState blends[GPU_VK_MAX_COLORS];
     VkFormat formats[GPU_VK_MAX_COLORS];
+    vk_multisample multisample;
+    describe_samples(v, key, &multisample);
     for (uint32_t i = 0; i < key->color_count; i++) {
         blends[i] = equations[key->blends[i]];
         blends[i].colorWriteMask = ~key->mask_off[i] & 15u;
@@ -280,7 +308,7 @@ static VkResult create_graphics(vk *v, const vk_program *program, const vk_pipel
                                                .pInputAssemblyState = &triangles,
                                                .pViewportState = &one_viewport,
                                                .pRasterizationState = &filled,
-                                               .pMultisampleState = &one_sample,
+                                               .pMultisampleState = &multisample.state,
                                                .pDepthStencilState = &depth_stencil,
                                                .pColorBlendState = &blend,
                                                .pDynamicState = &dynamic,

@@ -89,16 +89,28 @@ static const vk_format formats[] = {
                                ASPECT_DEPTH | VK_IMAGE_ASPECT_STENCIL_BIT, DEPTH, 8, 0},
 };
 
-static VkImageCreateInfo describe(const vk_format *format, const strata_image_desc *desc) {
+/* Multisampled images are no storage images; of depth, they say that their samples will be placed.
+ */
+static VkImageCreateInfo describe(const vk *v, const vk_format *format,
+                                  const strata_image_desc *desc) {
+    const VkSampleCountFlagBits samples =
+        desc->samples ? (VkSampleCountFlagBits)desc->samples : VK_SAMPLE_COUNT_1_BIT;
+    const VkImageUsageFlags unwanted =
+        samples > VK_SAMPLE_COUNT_1_BIT ? VK_IMAGE_USAGE_STORAGE_BIT : 0;
+    const VkImageCreateFlags flags = (format->aspects & ASPECT_DEPTH) && (v->placed & samples)
+                                         ? VK_IMAGE_CREATE_SAMPLE_LOCATIONS_COMPATIBLE_DEPTH_BIT_EXT
+                                         : 0;
     return (VkImageCreateInfo){.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+                               .flags = flags,
                                .imageType = VK_IMAGE_TYPE_2D,
                                .format = format->format,
                                .extent = {desc->width, desc->height, 1},
                                .mipLevels = 1,
                                .arrayLayers = desc->layers ? desc->layers : 1,
-                               .samples = VK_SAMPLE_COUNT_1_BIT,
+                               .samples = samples,
                                .tiling = VK_IMAGE_TILING_OPTIMAL,
-                               .usage = format->usage | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                               .usage = (format->usage & ~unwanted) |
+                                        VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                                         VK_IMAGE_USAGE_TRANSFER_DST_BIT};
 }
 
@@ -107,7 +119,7 @@ static strata_result check_support(vk *v, const VkImageCreateInfo *info, uint32_
     const VkExtent3D *size = &info->extent;
     VkImageFormatProperties most;
     VkResult code = vkGetPhysicalDeviceImageFormatProperties(
-        v->physical, info->format, info->imageType, info->tiling, info->usage, 0, &most);
+        v->physical, info->format, info->imageType, info->tiling, info->usage, info->flags, &most);
     if (code != VK_SUCCESS)
         return vk_fail(v, code, err, label);
     if (size->width > most.maxExtent.width || size->height > most.maxExtent.height ||
@@ -117,7 +129,12 @@ static strata_result check_support(vk *v, const VkImageCreateInfo *info, uint32_
                          "%u x %u, %u layers",
                          label, size->width, size->height, info->arrayLayers, most.maxExtent.width,
                          most.maxExtent.height, most.maxArrayLayers);
-    if ((uint64_t)size->width * size->height > most.maxResourceSize / texel / info->arrayLayers)
+    if (!(most.sampleCounts & info->samples))
+        return base_fail(err, STRATA_ERROR_UNSUPPORTED,
+                         "vulkan: image \"%.100s\": the device has no %u samples of this format",
+                         label, (unsigned)info->samples);
+    if ((uint64_t)size->width * size->height >
+        most.maxResourceSize / texel / info->arrayLayers / (unsigned)info->samples)
         return base_fail(err, STRATA_ERROR_OUT_OF_DEVICE_MEMORY,
                          "vulkan: image \"%.100s\" has more bytes than the device allows", label);
     return STRATA_OK;
@@ -199,7 +216,7 @@ strata_result vk_image_create(void *self, const strata_image_desc *desc, void **
         return base_fail(err, STRATA_ERROR_UNSUPPORTED, "vulkan: image \"%.100s\": format %u",
                          label, desc->format);
     const vk_format *format = &formats[desc->format];
-    const VkImageCreateInfo info = describe(format, desc);
+    const VkImageCreateInfo info = describe(v, format, desc);
     result = check_support(v, &info, format->texel, label, err);
     if (result != STRATA_OK)
         return result;
@@ -212,7 +229,8 @@ strata_result vk_image_create(void *self, const strata_image_desc *desc, void **
                         .integer = format->integer,
                         .width = desc->width,
                         .height = desc->height,
-                        .layers = info.arrayLayers};
+                        .layers = info.arrayLayers,
+                        .samples = (uint32_t)info.samples};
     result = create_image(v, &info, desc->layers > 0, image, err);
     if (result == STRATA_OK) {
         vk_name(v, VK_OBJECT_TYPE_IMAGE, (uint64_t)image->handle, label);
