@@ -128,27 +128,36 @@ static strata_result open_backend(gpu *g, const gpu_open_info *info, base_error 
                      info->backend ? info->backend : "");
 }
 
-/* "allocation:N" or "lost:N", N >= 1, or "lacks:FACT". */
+/* "allocation:N" or "lost:N", N >= 1, or "lacks:FACT" or "has:FACT". */
 static strata_result parse_inject(gpu *g, const char *text, base_error *err) {
-    const char *colon = text ? strchr(text, ':') : NULL;
-    char *end = NULL;
+    static const struct {
+        const char *name;
+        gpu_inject inject;
+    } kinds[] = {{"allocation:", GPU_INJECT_ALLOCATION},
+                 {"lost:", GPU_INJECT_LOST},
+                 {"lacks:", GPU_INJECT_LACKS},
+                 {"has:", GPU_INJECT_HAS}};
     if (!text || !text[0])
         return STRATA_OK;
-    if (strncmp(text, "lacks:", 6) == 0 && text[6] && strlen(text + 6) < sizeof g->lacks) {
-        g->inject = GPU_INJECT_LACKS;
-        snprintf(g->lacks, sizeof g->lacks, "%s", text + 6);
-        return STRATA_OK;
+    for (size_t i = 0; i < BASE_COUNT(kinds); i++) {
+        const size_t length = strlen(kinds[i].name);
+        const char *value = text + length;
+        char *end = NULL;
+        if (strncmp(text, kinds[i].name, length) != 0)
+            continue;
+        g->inject = kinds[i].inject;
+        if (g->inject == GPU_INJECT_LACKS || g->inject == GPU_INJECT_HAS) {
+            snprintf(g->inject_fact, sizeof g->inject_fact, "%s", value);
+            if (value[0] && strcmp(g->inject_fact, value) == 0)
+                return STRATA_OK;
+        } else if (value[0] >= '0' && value[0] <= '9') {
+            g->inject_at = strtoull(value, &end, 10);
+            if (g->inject_at > 0 && !*end)
+                return STRATA_OK;
+        }
     }
-    if (colon && colon[1] >= '0' && colon[1] <= '9')
-        g->inject_at = strtoull(colon + 1, &end, 10);
-    if (strncmp(text, "allocation:", 11) == 0)
-        g->inject = GPU_INJECT_ALLOCATION;
-    else if (strncmp(text, "lost:", 5) == 0)
-        g->inject = GPU_INJECT_LOST;
-    if (g->inject == GPU_INJECT_NONE || !end || *end || g->inject_at == 0)
-        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
-                         "inject '%s' is none of allocation:N, lost:N and lacks:FACT", text);
-    return STRATA_OK;
+    return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
+                     "inject '%s' is none of allocation:N, lost:N, lacks:FACT and has:FACT", text);
 }
 
 static strata_result keep_text(const char *text, char **copy, base_error *err) {
@@ -277,8 +286,10 @@ uint64_t gpu_fact(gpu *g, const char *id) {
         {"feature.subgroup_ballot", caps->subgroup_ballot},
         {"feature.stencil_export", caps->stencil_export},
     };
-    if (!id || (g->inject == GPU_INJECT_LACKS && strcmp(id, g->lacks) == 0))
+    if (!id)
         return 0;
+    if (strcmp(id, g->inject_fact) == 0)
+        return g->inject == GPU_INJECT_HAS;
     if (strcmp(id, "ordered_attachments") == 0)
         return (uint64_t)has_ordered_attachments(g);
     if (strcmp(id, "ordered_access") == 0)

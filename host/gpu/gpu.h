@@ -71,7 +71,7 @@ typedef struct gpu_open_info {
     int check;             /* driver validation; its messages fail the frame */
     int profile;           /* time each pass */
     /* "allocation:N": the N-th creation fails; "lost:N": the N-th submit; "lacks:FACT": that fact
-     * is 0; or NULL */
+     * is 0; "has:FACT": it is 1; or NULL */
     const char *inject;
 } gpu_open_info;
 
@@ -94,8 +94,8 @@ void gpu_enumerate(void (*found)(void *user, const gpu_device_info *info, uint32
  * feature.int64_atomics, feature.fragment_interlock, feature.raster_order_attachments,
  * feature.framebuffer_fetch, feature.subgroup_ballot, feature.stencil_export. Self-tests (run when
  * first asked, cached per driver): selftest.timestamps, selftest.ordered_rmw,
- * selftest.ordered_attachments. ordered_attachments: one of the features for it, and its
- * self-test. ordered_access: that, or selftest.ordered_rmw. */
+ * selftest.ordered_attachments, selftest.sample_routing. ordered_attachments: one of the features
+ * for it, and its self-test. ordered_access: that, or selftest.ordered_rmw. */
 uint64_t gpu_fact(gpu *g, const char *id);
 
 /* ---- scopes and objects -----------------------------------------------------------------------

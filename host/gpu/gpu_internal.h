@@ -15,7 +15,7 @@
 #define GPU_MAX_USES     (GPU_MAX_BINDINGS + GPU_MAX_COLOR + 8u)
 #define GPU_MAX_UNIFORM  65536u /* bytes of a uniform block that every supported driver takes */
 #define GPU_MAX_PARAMS   128u
-#define GPU_SELFTESTS    3
+#define GPU_SELFTESTS    4
 #define GPU_POOL_MINIMUM 1024u /* elements of a pool whose maker expected nothing */
 
 /* ---- storage, owners, scopes ------------------------------------------------------------------
@@ -155,7 +155,8 @@ typedef enum gpu_inject {
     GPU_INJECT_NONE,
     GPU_INJECT_ALLOCATION,
     GPU_INJECT_LOST,
-    GPU_INJECT_LACKS
+    GPU_INJECT_LACKS,
+    GPU_INJECT_HAS
 } gpu_inject;
 
 struct gpu {
@@ -176,7 +177,7 @@ struct gpu {
     gpu_program_state *programs;
 
     gpu_inject inject;
-    char lacks[64]; /* GPU_INJECT_LACKS: the fact that is 0 */
+    char inject_fact[64]; /* which is 0 or 1 */
     uint64_t inject_at, creations, submits;
     int lost;
 
@@ -334,5 +335,13 @@ void gpu_cache_store(const gpu *g, const gpu_program_state *program, const gpu_s
 /* ---- gpu_selftest.c ---------------------------------------------------------------------------
  */
 int gpu_selftest(gpu *g, const char *id); /* 0 or 1; unknown: 0 */
+
+#define GPU_SELFTEST_TRIANGLES 96u
+/* One draw of so many triangles, at most those, for full-screen programs of self-tests: vertex i is
+ * STRATA_CORNER(i), see strata/fullscreen.glsl. */
+strata_result gpu_selftest_draws(gpu_scope *scope, uint32_t triangles, strata_draws *draws);
+
+/* gpu_selftest_samples.c */
+int gpu_selftest_sample_routing(gpu *g, gpu_scope *scope);
 
 #endif

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SELFTEST_VERSION 2u /* counts changes of the tests themselves */
+#define SELFTEST_VERSION 3u /* counts changes of the tests themselves */
 
 /* ---- timestamps: does a pass's time agree with the clock? ------------------------------------ */
 
@@ -88,8 +88,8 @@ static int test_timestamps(gpu *g, gpu_scope *scope) {
 
 /* ---- ordered_rmw: are plain read-modify-writes of a pixel exact and in primitive order? ------ */
 
-#define RMW_SIZE       128u /* pixels along a side */
-#define RMW_PRIMITIVES 96u  /* triangles that cover all of them */
+#define RMW_SIZE       128u                   /* pixels along a side */
+#define RMW_PRIMITIVES GPU_SELFTEST_TRIANGLES /* that cover all of them */
 #define RMW_ROUNDS     4
 
 static const strata_glsl counting = {"layout(std430) buffer Cells { uint cells[]; };\n"
@@ -103,19 +103,20 @@ static const strata_glsl counting = {"layout(std430) buffer Cells { uint cells[]
                                      "}\n",
                                      "selftest.ordered_rmw"};
 
-static strata_result make_draws(gpu_scope *scope, strata_draws *draws) {
-    const uint32_t command[5] = {3 * RMW_PRIMITIVES, 1, 0, 0, 0};
-    uint32_t indices[3 * RMW_PRIMITIVES];
+strata_result gpu_selftest_draws(gpu_scope *scope, uint32_t triangles, strata_draws *draws) {
+    const uint32_t count = triangles < GPU_SELFTEST_TRIANGLES ? triangles : GPU_SELFTEST_TRIANGLES;
+    const uint32_t command[5] = {3 * count, 1, 0, 0, 0};
+    uint32_t indices[3 * GPU_SELFTEST_TRIANGLES];
     gpu_draws_desc desc = {.capacity = 1};
-    for (uint32_t i = 0; i < 3 * RMW_PRIMITIVES; i++)
-        indices[i] = i % 3;
+    for (uint32_t i = 0; i < 3 * count; i++)
+        indices[i] = i;
     const strata_buffer_desc command_desc = {.struct_size = sizeof command_desc,
                                              .label = "command",
                                              .size = sizeof command,
                                              .data = command};
     const strata_buffer_desc index_desc = {.struct_size = sizeof index_desc,
                                            .label = "indices",
-                                           .size = sizeof indices,
+                                           .size = 3 * count * sizeof *indices,
                                            .data = indices};
     strata_result result = gpu_buffer_create(scope, &command_desc, &desc.commands, NULL);
     if (result == STRATA_OK)
@@ -162,7 +163,7 @@ static int test_ordered_rmw(gpu *g, gpu_scope *scope) {
     uint32_t *values = base_calloc(RMW_SIZE * RMW_SIZE, sizeof *values);
     if (!values || gpu_program_create(scope, &program_desc, &program, NULL) != STRATA_OK ||
         gpu_buffer_create(scope, &cells_desc, &cells, NULL) != STRATA_OK ||
-        make_draws(scope, &draws) != STRATA_OK)
+        gpu_selftest_draws(scope, RMW_PRIMITIVES, &draws) != STRATA_OK)
         exact = 0;
     for (int i = 0; i < RMW_ROUNDS && exact; i++)
         exact = count_once(g, program, cells, draws, values);
@@ -259,7 +260,7 @@ static int test_ordered_attachments(gpu *g, gpu_scope *scope) {
                 gpu_image_create(scope, &image_desc, &t.one, NULL) == STRATA_OK;
     image_desc.format = STRATA_FORMAT_RGBA32U;
     exact = exact && gpu_image_create(scope, &image_desc, &t.four, NULL) == STRATA_OK &&
-            make_draws(scope, &t.draws) == STRATA_OK;
+            gpu_selftest_draws(scope, RMW_PRIMITIVES, &t.draws) == STRATA_OK;
     for (int i = 0; i < RMW_ROUNDS && exact; i++)
         exact = replace_once(g, &t);
     free(t.values);
@@ -275,6 +276,7 @@ static const struct {
     {"selftest.timestamps", test_timestamps},
     {"selftest.ordered_rmw", test_ordered_rmw},
     {"selftest.ordered_attachments", test_ordered_attachments},
+    {"selftest.sample_routing", gpu_selftest_sample_routing},
 };
 
 /* File of a result, and the whole text that it has when the result is `value`. */

@@ -102,6 +102,11 @@ static void test_ordered_attachments(void **state) {
     check_kept("selftest.ordered_attachments", "ordered_attachments");
 }
 
+static void test_sample_routing(void **state) {
+    (void)state;
+    check_kept("selftest.sample_routing", "sample_routing");
+}
+
 static void test_timestamps(void **state) {
     (void)state;
     check_kept("selftest.timestamps", "timestamps");
@@ -159,9 +164,8 @@ static void test_clock(void **state) {
 
 int main(void) {
     const struct CMUnitTest selftests[] = {
-        IN_FOLDER(test_ordered_rmw),
-        IN_FOLDER(test_ordered_attachments),
-        IN_FOLDER(test_timestamps),
+        IN_FOLDER(test_ordered_rmw),    IN_FOLDER(test_ordered_attachments),
+        IN_FOLDER(test_sample_routing), IN_FOLDER(test_timestamps),
         IN_FOLDER(test_clock),
     };
     current = "vulkan";

@@ -556,8 +556,18 @@ static void test_facts(void **state) {
     assert_int_equal(gpu_fact(f->g, "limit.groups"), 65535);
     assert_int_equal(gpu_fact(f->g, "feature.int64_atomics"), 0);
     assert_int_equal(gpu_fact(f->g, "selftest.ordered_rmw"), 0);
+    assert_int_equal(gpu_fact(f->g, "selftest.sample_routing"), 0);
+    assert_int_equal(gpu_fact(f->g, ""), 0);
     assert_int_equal(gpu_fact(f->g, "no.such.fact"), 0);
     assert_int_equal(gpu_fact(f->g, NULL), 0);
+    fixture injected;
+    open_device(&injected, &(gpu_open_info){.backend = "null", .inject = "has:no.such.fact"});
+    assert_int_equal(gpu_fact(injected.g, "no.such.fact"), 1);
+    assert_int_equal(gpu_fact(injected.g, "no.such.facts"), 0);
+    gpu_close(injected.g);
+    open_device(&injected, &(gpu_open_info){.backend = "null", .inject = "lacks:limit.groups"});
+    assert_int_equal(gpu_fact(injected.g, "limit.groups"), 0);
+    gpu_close(injected.g);
     gpu *g;
     base_error err = {0};
     assert_int_equal(gpu_open(&(gpu_open_info){.backend = "direct3d"}, &g, &err),
