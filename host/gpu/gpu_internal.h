@@ -343,5 +343,6 @@ strata_result gpu_selftest_draws(gpu_scope *scope, uint32_t triangles, strata_dr
 
 /* gpu_selftest_samples.c */
 int gpu_selftest_sample_routing(gpu *g, gpu_scope *scope);
+int gpu_selftest_routing(gpu *g, gpu_scope *scope, const char *corner); /* a define of it */
 
 #endif

@@ -89,8 +89,8 @@ static int make_program(gpu_scope *scope, uint32_t kind, const strata_glsl *sour
 }
 
 /* `late`: some fragments are hidden. */
-static int make_programs(routing *t, gpu_scope *scope, uint32_t late) {
-    static const char *const defines[] = {CORNER, "LATE"};
+static int make_programs(routing *t, gpu_scope *scope, const char *corner, uint32_t late) {
+    const char *const defines[] = {corner, "LATE"};
     const uint32_t fullscreen = STRATA_PROGRAM_FULLSCREEN, compute = STRATA_PROGRAM_COMPUTE;
     return make_program(scope, fullscreen, &begin_source, NULL, 0, &t->begin) &&
            make_program(scope, fullscreen, &mark_source, NULL, 0, &t->flag) &&
@@ -228,12 +228,16 @@ static int is_exact(const routing *t) {
     return exact == TEXELS && empty > 0 && overflowed > 0;
 }
 
-int gpu_selftest_sample_routing(gpu *g, gpu_scope *scope) {
+int gpu_selftest_routing(gpu *g, gpu_scope *scope, const char *corner) {
     routing t = {.g = g, .samples = g->caps.samples < MOST ? g->caps.samples : MOST};
     int exact = t.samples > 1 && make_objects(&t, scope);
     t.values = exact ? base_calloc(1, (size_t)words_size(&t)) : NULL;
     for (uint32_t late = 0; late < 2 && exact; late++)
-        exact = t.values && make_programs(&t, scope, late) && run(&t) && is_exact(&t);
+        exact = t.values && make_programs(&t, scope, corner, late) && run(&t) && is_exact(&t);
     free(t.values);
     return exact;
+}
+
+int gpu_selftest_sample_routing(gpu *g, gpu_scope *scope) {
+    return gpu_selftest_routing(g, scope, CORNER);
 }
