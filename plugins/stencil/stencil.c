@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: MIT
  *
- * Technique module `stencil`: the stencil-routed A-buffer (Myers and Bavoil 2007), with layers in
- * place of samples. Fills fragments/1, like abuffer, but no shader decides where a fragment goes.
+ * Technique module `stencil`: the stencil-routed A-buffer (Myers and Bavoil 2007). Fills
+ * fragments/1, like abuffer, but no shader decides where a fragment goes.
  *
  *   count .. ranges          exactly as many records as fragments (shared/counting.h)
- *   route, once a layer      layer i's stencil begins at i + 2; each visible fragment takes one
+ *   route                    layer i's stencil begins at i + 2; each visible fragment takes one
  *                            off, and the one that finds 2 there is written
- *   store, once 8 layers     shades what these layers hold
- *   check, once 8 layers     counts pixels whose layers are not filled one by one
+ *   store, once a batch      shades what its layers hold
+ *   check, once a batch      counts pixels whose layers are not filled one by one
  *   overflow                 and those where more fragments were routed than there are layers
+ *
+ * The layers of a batch are the samples of one image, which one geometry pass routes together
+ * (`begin` sets the stencil of each). Where the device does not route through samples they are
+ * channels of plain images, 8 a batch, with a geometry pass each.
  *
  * How many layers a frame has is learned from the counts: where they were too few, the frame is
  * recorded again; and so it is where fragments were routed that were not counted, with a shader
@@ -26,12 +30,16 @@
 #include <string.h>
 
 enum {
-    BATCH = 8,         /* layers that are stored at once: layers.glsl */
-    CHANNELS = 4,      /* layers in an image */
+    BATCH = 8,         /* layers that are stored at once, at most: layers.glsl */
+    CHANNELS = 4,      /* layers in a plain image */
     ROUTED = 2,        /* the stencil that lets a fragment through */
+    UNROUTED = 255,    /* of samples that no layer is left for: fragment 253 alone finds ROUTED */
     MOST_LAYERS = 254, /* 255 - ROUTED + 1: what a stencil of 8 bits counts down */
     WINDOW = 32        /* frames after which fewer layers are believed */
 };
+
+enum { KNOB_PAYLOAD, KNOB_ROUTING, KNOB_COUNT };
+enum { ROUTING_AUTO, ROUTING_LAYERS, ROUTING_SAMPLES };
 
 typedef struct stencil {
     const strata_gpu *gpu;
@@ -40,7 +48,10 @@ typedef struct stencil {
     strata_image limit, routing, layers[BATCH / CHANNELS];
     strata_buffer ranges, routing_state;
     strata_pool records;
-    strata_program route_all_program, route_program, store_program, check_program, overflow_program;
+    strata_program begin_program, route_all_program, route_program, store_program, check_program,
+        overflow_program;
+    uint32_t samples;                 /* layers that a geometry pass routes; 1: no samples */
+    uint32_t batch;                   /* layers that are stored at once */
     uint32_t selects;                 /* 1: some fragments are hidden, or do not exist */
     uint32_t layer_count;             /* that are recorded */
     uint32_t deepest, deepest_before; /* in this window of frames and in the one before */
@@ -57,11 +68,33 @@ static strata_result create(void *state, const strata_host *host, const strata_g
 
 /* ---- prepare --------------------------------------------------------------------------------- */
 
+/* 0 where the device does not route through samples and they were asked for. */
+static int choose(stencil *s, double routing) {
+    const strata_gpu *gpu = s->gpu;
+    const uint64_t most = gpu->fact(gpu->self, "limit.samples");
+    const int may = routing != ROUTING_LAYERS && most > 1 &&
+                    gpu->fact(gpu->self, "selftest.sample_routing") != 0;
+    s->samples = !may ? 1 : most < BATCH ? (uint32_t)most : BATCH;
+    s->batch = may ? s->samples : BATCH;
+    return may || routing != ROUTING_SAMPLES;
+}
+
+static strata_result create_layers(const stencil *s, const char *label, uint32_t format,
+                                   strata_image *out) {
+    return s->gpu->image_create(s->gpu->self,
+                                &(strata_image_desc){.struct_size = sizeof(strata_image_desc),
+                                                     .label = label,
+                                                     .format = format,
+                                                     .samples = s->samples},
+                                out);
+}
+
 static strata_result create_images(stencil *s) {
-    strata_result r =
-        create_image(s->gpu, "routing stencil", STRATA_FORMAT_D32F_S8, 0, 0, &s->routing);
-    for (uint32_t i = 0; i < BATCH / CHANNELS && r == STRATA_OK; ++i)
-        r = create_image(s->gpu, "layers", STRATA_FORMAT_RGBA32U, 0, 0, &s->layers[i]);
+    const int plain = s->samples == 1;
+    const uint32_t format = plain ? STRATA_FORMAT_RGBA32U : STRATA_FORMAT_RGBA8;
+    strata_result r = create_layers(s, "routing stencil", STRATA_FORMAT_D32F_S8, &s->routing);
+    for (uint32_t i = 0; i < (plain ? BATCH / CHANNELS : 1) && r == STRATA_OK; ++i)
+        r = create_layers(s, "layers", format, &s->layers[i]);
     return r;
 }
 
@@ -76,14 +109,22 @@ static strata_result create_buffers(stencil *s, const strata_view *view) {
 static strata_result program(const stencil *s, uint32_t kind, const char *label,
                              const strata_glsl *source, const char *define, uint32_t flags,
                              strata_program *out) {
+    const char *defines[2];
+    char samples[16];
+    uint32_t count = 0;
+    snprintf(samples, sizeof samples, "SAMPLES=%uu", s->samples);
+    if (s->samples > 1)
+        defines[count++] = samples;
+    if (define)
+        defines[count++] = define;
     return s->gpu->program_create(s->gpu->self,
                                   &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
                                                          .kind = kind,
                                                          .flags = flags,
                                                          .label = label,
                                                          .source = source,
-                                                         .defines = &define,
-                                                         .define_count = define ? 1 : 0,
+                                                         .defines = defines,
+                                                         .define_count = count,
                                                          .includes = includes},
                                   out);
 }
@@ -97,6 +138,8 @@ static strata_result create_programs(stencil *s) {
         const char *define;
         uint32_t flags;
     } programs[] = {
+        {&s->begin_program, STRATA_PROGRAM_FULLSCREEN, "begin", &begin_frag_glsl, NULL,
+         STRATA_PROGRAM_LAZY},
         {&s->route_all_program, STRATA_PROGRAM_SCENE, "route all", &route_frag_glsl, "ALL",
          STRATA_PROGRAM_LAZY},
         {&s->route_program, STRATA_PROGRAM_SCENE, "route", &route_frag_glsl, NULL,
@@ -118,6 +161,8 @@ static strata_result prepare(void *state, const strata_view *view) {
     s->limit = view->image(view->self, "limit/1");
     if (view->changed & (STRATA_CHANGED_SCENE | STRATA_CHANGED_EFFECTS))
         s->selects = view->stats->opaque_draws > 0;
+    if (!choose(s, view->settings->values[KNOB_ROUTING]))
+        return STRATA_ERROR_UNSUPPORTED;
     strata_result r = create_images(s);
     if (r == STRATA_OK)
         r = create_buffers(s, view);
@@ -136,50 +181,76 @@ static strata_result prepare(void *state, const strata_view *view) {
 
 /* ---- record ---------------------------------------------------------------------------------- */
 
-/* Into layer i goes the fragment that finds 2 in the stencil: number i of those that pass. */
+/* Sample i's stencil begins where that of layer first + i does. */
+static void record_begin(const stencil *s, const strata_frame *frame, uint32_t first,
+                         uint32_t count) {
+    for (uint32_t i = 0; i < count; ++i)
+        frame->pass(
+            frame->self,
+            &(strata_pass){
+                .struct_size = sizeof(strata_pass),
+                .label = "begin",
+                .program = s->begin_program,
+                .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment),
+                                              .image = s->routing,
+                                              .load = i == 0 ? STRATA_LOAD_CLEAR : STRATA_LOAD_KEEP,
+                                              .clear = {0, UNROUTED}},
+                .sample_mask = 1u << i,
+                .stencil_test = STRATA_TEST_ALWAYS,
+                .stencil_reference = first + i + ROUTED,
+                .stencil_pass = STRATA_STENCIL_REPLACE});
+}
+
+/* Into layer i goes the fragment that finds 2 in its stencil: number i of those that pass. Routes
+ * this layer, whose stencil begins here, or as many as there are samples, for which it has begun.
+ */
 static void record_route(const stencil *s, const strata_frame *frame, uint32_t layer) {
-    const uint32_t image = layer % BATCH / CHANNELS, channel = layer % CHANNELS;
+    const int plain = s->samples == 1;
+    const uint32_t image = plain ? layer % BATCH / CHANNELS : 0;
+    const uint32_t channel = plain ? layer % CHANNELS : 0;
     const strata_bind limit = bind_image("limit_image", s->limit);
     frame->pass(
         frame->self,
-        &(strata_pass){.struct_size = sizeof(strata_pass),
-                       .label = "route",
-                       .program = s->selects ? s->route_program : s->route_all_program,
-                       .draws = s->draws,
-                       .binds = &limit,
-                       .bind_count = s->selects,
-                       .color = &(strata_attachment){.struct_size = sizeof(strata_attachment),
-                                                     .image = s->layers[image],
-                                                     .load = channel == 0 ? STRATA_LOAD_CLEAR
-                                                                          : STRATA_LOAD_KEEP,
-                                                     .mask_off = 15u & ~(1u << channel)},
-                       .color_count = 1,
-                       .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment),
-                                                     .image = s->routing,
-                                                     .load = STRATA_LOAD_CLEAR,
-                                                     .clear = {0, (float)(layer + ROUTED)}},
-                       .stencil_test = STRATA_TEST_EQUAL,
-                       .stencil_reference = ROUTED,
-                       .stencil_pass = STRATA_STENCIL_DECREMENT,
-                       .stencil_fail = STRATA_STENCIL_DECREMENT});
+        &(strata_pass){
+            .struct_size = sizeof(strata_pass),
+            .label = "route",
+            .program = s->selects ? s->route_program : s->route_all_program,
+            .draws = s->draws,
+            .binds = &limit,
+            .bind_count = s->selects,
+            .color =
+                &(strata_attachment){.struct_size = sizeof(strata_attachment),
+                                     .image = s->layers[image],
+                                     .load = channel == 0 ? STRATA_LOAD_CLEAR : STRATA_LOAD_KEEP,
+                                     .mask_off = plain ? 15u & ~(1u << channel) : 0},
+            .color_count = 1,
+            .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment),
+                                          .image = s->routing,
+                                          .load = plain ? STRATA_LOAD_CLEAR : STRATA_LOAD_KEEP,
+                                          .clear = {0, (float)(layer + ROUTED)}},
+            .stencil_test = STRATA_TEST_EQUAL,
+            .stencil_reference = ROUTED,
+            .stencil_pass = STRATA_STENCIL_DECREMENT,
+            .stencil_fail = STRATA_STENCIL_DECREMENT});
 }
 
 /* Which fragments the store pass of a batch shades, by the stencil. It counts anew: the first batch
- * ends with fragment 8, a later one begins with fragment `first`. With one batch, or where hidden
- * fragments would count too, all fragments of pixels that have some in the batch: there the last
- * layer's stencil is below where it began by one for each fragment of the pixel, so below ROUTED +
- * count - 1 when these are more than the layers before the batch. */
+ * ends with its last fragment, a later one begins with fragment `first`. With one batch, or where
+ * hidden fragments would count too, all fragments of pixels that have some in the batch: there the
+ * stencil of the batch's layer i, one below first + i + ROUTED for each fragment of the pixel, is
+ * below i + ROUTED. Of plain layers the last one's is left; of samples the first passes as soon as
+ * any does. */
 static void select_batch(const stencil *s, uint32_t first, uint32_t count,
                          strata_attachment *routing, strata_pass *pass) {
     *routing = (strata_attachment){.struct_size = sizeof *routing, .image = s->routing};
     pass->depth = routing;
-    if (s->selects || s->layer_count <= BATCH) {
+    if (s->selects || s->layer_count <= s->batch) {
         pass->stencil_test = STRATA_TEST_GREATER;
-        pass->stencil_reference = ROUTED + count - 1;
+        pass->stencil_reference = ROUTED + (s->samples == 1 ? count - 1 : 0);
         return;
     }
     routing->load = STRATA_LOAD_CLEAR;
-    routing->clear[1] = (float)(first == 0 ? BATCH : first);
+    routing->clear[1] = (float)(first == 0 ? s->batch : first);
     pass->stencil_test = first == 0 ? STRATA_TEST_LESS : STRATA_TEST_EQUAL; /* 0 < stencil; 0 == */
     pass->stencil_reference = 0;
     if (first == 0)
@@ -192,11 +263,18 @@ static void select_batch(const stencil *s, uint32_t first, uint32_t count,
 static void record_batch(const stencil *s, const strata_frame *frame, uint32_t first,
                          uint32_t count) {
     const uint32_t params[] = {first, count};
-    strata_bind bound[] = {bind_image("layers0", s->layers[0]), bind_image("layers4", s->layers[1]),
-                           bind_buffer("StrataRanges", s->ranges), bind_pool(s->records)};
-    strata_pass pass = {
-        .struct_size = sizeof pass, .params = params, .binds = bound, .bind_count = 4};
     strata_attachment routing;
+    binds b = {.count = 0};
+    if (s->samples > 1) {
+        binds_image(&b, "samples", s->layers[0]);
+    } else {
+        binds_image(&b, "layers0", s->layers[0]);
+        binds_image(&b, "layers4", s->layers[1]);
+    }
+    binds_buffer(&b, "StrataRanges", s->ranges);
+    binds_pool(&b, s->records);
+    strata_pass pass = {
+        .struct_size = sizeof pass, .params = params, .binds = b.at, .bind_count = b.count};
     pass.label = "store";
     pass.program = s->store_program;
     pass.draws = s->draws;
@@ -211,12 +289,13 @@ static void record_batch(const stencil *s, const strata_frame *frame, uint32_t f
     pass.depth = NULL;
     pass.stencil_test = STRATA_TEST_NONE;
     pass.stencil_pass = pass.stencil_fail = STRATA_STENCIL_KEEP;
-    bound[3] = bind_buffer("Routing", s->routing_state);
+    b.at[b.count - 1] = bind_buffer("Routing", s->routing_state);
     strata_groups((uint64_t)frame->band_width * frame->band_height, pass.groups);
     frame->pass(frame->self, &pass);
 }
 
-static void record_overflow(const stencil *s, const strata_frame *frame) {
+/* By the stencil of the frame's last layer, number count - 1 of its batch. */
+static void record_overflow(const stencil *s, const strata_frame *frame, uint32_t count) {
     const strata_bind routing = bind_buffer("Routing", s->routing_state);
     frame->pass(
         frame->self,
@@ -227,6 +306,7 @@ static void record_overflow(const stencil *s, const strata_frame *frame) {
                        .bind_count = 1,
                        .depth = &(strata_attachment){.struct_size = sizeof(strata_attachment),
                                                      .image = s->routing},
+                       .sample_mask = s->samples > 1 ? 1u << (count - 1) : 0,
                        .stencil_test = STRATA_TEST_EQUAL,
                        .stencil_reference = 0});
 }
@@ -235,12 +315,14 @@ static void record(void *state, const strata_frame *frame) {
     const stencil *s = state;
     counting_record(&s->counting, frame, s->draws, s->limit, s->ranges, s->records, MOST_LAYERS);
     frame->fill(frame->self, s->routing_state, 0, 0, 0);
-    for (uint32_t first = 0; first < s->layer_count; first += BATCH) {
-        const uint32_t left = s->layer_count - first, count = left < BATCH ? left : BATCH;
-        for (uint32_t i = 0; i < count; ++i)
+    for (uint32_t first = 0; first < s->layer_count; first += s->batch) {
+        const uint32_t left = s->layer_count - first, count = left < s->batch ? left : s->batch;
+        if (s->samples > 1)
+            record_begin(s, frame, first, count);
+        for (uint32_t i = 0; i < count; i += s->samples)
             record_route(s, frame, first + i);
         if (count == left)
-            record_overflow(s, frame); /* storing may count the stencil anew */
+            record_overflow(s, frame, count); /* storing may count the stencil anew */
         record_batch(s, frame, first, count);
     }
 }
@@ -306,8 +388,8 @@ static void destroy(void *state) {
 static strata_result estimate(const strata_scene_stats *stats, const strata_settings *settings,
                               strata_cost *cost) {
     (void)stats;
-    cost->bytes_per_pixel = 52;
-    cost->bytes_per_fragment = 8 + records_payload_bytes[(int)settings->values[0]];
+    cost->bytes_per_pixel = settings->values[KNOB_ROUTING] == ROUTING_LAYERS ? 52 : 12 + 12 * BATCH;
+    cost->bytes_per_fragment = 8 + records_payload_bytes[(int)settings->values[KNOB_PAYLOAD]];
     cost->bytes_fixed = 64;
     return STRATA_OK;
 }
@@ -318,14 +400,24 @@ static const strata_slot_use fragments_use = {.struct_size = sizeof(strata_slot_
                                               .layouts = 1u << STRATA_FRAGMENTS_CONTIGUOUS};
 static const strata_slot_use *const slots[] = {&slots_draws, &slots_limit, &fragments_use};
 
-static const strata_knob *const knobs[] = {&records_payload_knob};
+static const char *const routing_choices[] = {"auto", "layers", "samples", NULL};
+static const strata_knob routing_knob = {.struct_size = sizeof(strata_knob),
+                                         .type = STRATA_KNOB_CHOICE,
+                                         .name = "routing",
+                                         .title = "what the stencil routes fragments into",
+                                         .maximum = 2,
+                                         .choices = routing_choices};
+static const strata_knob *const knobs[KNOB_COUNT] = {&records_payload_knob, &routing_knob};
+
+static const char *const prefers[] = {"selftest.sample_routing", NULL};
 
 static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),
     .order = STRATA_ORDER_EXACT,
     .determinism = STRATA_DETERMINISM_BIT,
     .largest_depth = MOST_LAYERS,
-    .memory = "52 pixels + (8 + payload) fragments; payload: unorm8 4, half 8, float 16"};
+    .memory = "layers: 52 pixels, n samples: (12 + 12 n) pixels; (8 + payload) fragments; "
+              "payload: unorm8 4, half 8, float 16"};
 
 /* A geometry pass a layer and an eighth of one, beside the count and what is stored. */
 static const strata_cost_model cost = {.struct_size = sizeof(strata_cost_model),
@@ -347,7 +439,8 @@ static const strata_technique technique = {
     .slots = slots,
     .slot_count = 3,
     .knobs = knobs,
-    .knob_count = 1,
+    .knob_count = KNOB_COUNT,
+    .prefers = prefers,
     .promises = &promises,
     .cost = &cost,
     .estimate = estimate,

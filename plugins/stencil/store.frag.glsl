@@ -15,12 +15,13 @@ layout(early_fragment_tests) in;
 layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 STRATA_PARAMS { uint first; } params; // the batch's first layer
 
-// Which layer of the batch holds the primitive here; BATCH: none. It covers a pixel once at most. Layers
-// beyond the frame's last are those of the batch before: no range reaches so far.
+// Which layer of the batch holds the primitive here, the first; BATCH: none. It covers a pixel once at
+// most. Layers beyond the frame's last are plain ones of the batch before, or samples that no layer is
+// left for: no range reaches so far.
 uint find_layer(uint primitive) {
     uint layers[BATCH] = layers_at(uvec2(gl_FragCoord.xy));
     uint found = BATCH;
-    for (uint i = 0u; i < BATCH; ++i)
+    for (uint i = BATCH; i-- > 0u;)
         found = layers[i] == primitive + 1u ? i : found;
     return found;
 }
