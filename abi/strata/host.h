@@ -32,7 +32,8 @@ typedef struct strata_open_options {
     const char *module_path;  /* folders, ':'-separated; NULL = STRATA_MODULE_PATH, else the installed */
     const char *cache_dir;    /* NULL = STRATA_CACHE_DIR, else the user's cache; "" = none */
     uint64_t memory;          /* bytes of device memory that techniques may take; 0 = what is there */
-    const char *inject;       /* faults for tests: "allocation:N", "lost:N", "lacks:FACT", "has:FACT", or NULL */
+    const char *inject;       /* faults for tests: "allocation:N", "lost:N", "lacks:FACT" and
+                                 "claims:FACT" with commas between, or NULL */
 } strata_open_options;
 
 /* Opens an instance; the device is opened at the first render, so that listing and planning need

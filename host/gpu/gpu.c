@@ -128,36 +128,71 @@ static strata_result open_backend(gpu *g, const gpu_open_info *info, base_error 
                      info->backend ? info->backend : "");
 }
 
-/* "allocation:N" or "lost:N", N >= 1, or "lacks:FACT" or "has:FACT". */
+static const char *const fact_words[] = {"lacks:", "claims:"}; /* by the value that they give */
+
+/* Splits the first of "lacks:FACT,claims:FACT.." off: where its fact begins and how long it is. The
+ * value that the fact gets, or -1 where this is none. */
+static int split_fact(const char *text, const char **fact, size_t *length) {
+    for (int value = 0; value < 2; value++) {
+        const size_t skipped = strlen(fact_words[value]);
+        if (strncmp(text, fact_words[value], skipped) == 0) {
+            *fact = text + skipped;
+            *length = strcspn(*fact, ",");
+            return *length > 0 ? value : -1;
+        }
+    }
+    return -1;
+}
+
+static int are_facts(const char *text) {
+    const char *fact;
+    size_t length;
+    while (split_fact(text, &fact, &length) >= 0) {
+        if (fact[length] == '\0')
+            return 1;
+        text = fact + length + 1;
+    }
+    return 0;
+}
+
+/* What was injected for this fact: 0 or 1, or -1 for nothing. */
+static int injected_fact(const gpu *g, const char *id) {
+    const char *text = g->injected_facts, *fact;
+    size_t length;
+    int value;
+    while ((value = split_fact(text, &fact, &length)) >= 0) {
+        if (strlen(id) == length && strncmp(fact, id, length) == 0)
+            return value;
+        text = fact + length + (fact[length] == ',');
+    }
+    return -1;
+}
+
+/* "allocation:N" or "lost:N", N >= 1, or facts. */
 static strata_result parse_inject(gpu *g, const char *text, base_error *err) {
     static const struct {
         const char *name;
         gpu_inject inject;
-    } kinds[] = {{"allocation:", GPU_INJECT_ALLOCATION},
-                 {"lost:", GPU_INJECT_LOST},
-                 {"lacks:", GPU_INJECT_LACKS},
-                 {"has:", GPU_INJECT_HAS}};
+    } counted[] = {{"allocation:", GPU_INJECT_ALLOCATION}, {"lost:", GPU_INJECT_LOST}};
     if (!text || !text[0])
         return STRATA_OK;
-    for (size_t i = 0; i < BASE_COUNT(kinds); i++) {
-        const size_t length = strlen(kinds[i].name);
-        const char *value = text + length;
+    if (are_facts(text) && strlen(text) < sizeof g->injected_facts) {
+        snprintf(g->injected_facts, sizeof g->injected_facts, "%s", text);
+        return STRATA_OK;
+    }
+    for (size_t i = 0; i < BASE_COUNT(counted); i++) {
+        const size_t length = strlen(counted[i].name);
         char *end = NULL;
-        if (strncmp(text, kinds[i].name, length) != 0)
+        if (strncmp(text, counted[i].name, length) != 0 || text[length] < '0' || text[length] > '9')
             continue;
-        g->inject = kinds[i].inject;
-        if (g->inject == GPU_INJECT_LACKS || g->inject == GPU_INJECT_HAS) {
-            snprintf(g->inject_fact, sizeof g->inject_fact, "%s", value);
-            if (value[0] && strcmp(g->inject_fact, value) == 0)
-                return STRATA_OK;
-        } else if (value[0] >= '0' && value[0] <= '9') {
-            g->inject_at = strtoull(value, &end, 10);
-            if (g->inject_at > 0 && !*end)
-                return STRATA_OK;
-        }
+        g->inject = counted[i].inject;
+        g->inject_at = strtoull(text + length, &end, 10);
+        if (g->inject_at > 0 && !*end)
+            return STRATA_OK;
     }
     return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
-                     "inject '%s' is none of allocation:N, lost:N, lacks:FACT and has:FACT", text);
+                     "inject '%s' is none of allocation:N, lost:N, lacks:FACT and claims:FACT",
+                     text);
 }
 
 static strata_result keep_text(const char *text, char **copy, base_error *err) {
@@ -286,10 +321,9 @@ uint64_t gpu_fact(gpu *g, const char *id) {
         {"feature.subgroup_ballot", caps->subgroup_ballot},
         {"feature.stencil_export", caps->stencil_export},
     };
-    if (!id)
-        return 0;
-    if (strcmp(id, g->inject_fact) == 0)
-        return g->inject == GPU_INJECT_HAS;
+    const int injected = id ? injected_fact(g, id) : 0;
+    if (injected >= 0)
+        return (uint64_t)injected;
     if (strcmp(id, "ordered_attachments") == 0)
         return (uint64_t)has_ordered_attachments(g);
     if (strcmp(id, "ordered_access") == 0)

@@ -70,8 +70,9 @@ typedef struct gpu_open_info {
     const char *cache_dir; /* SPIR-V and self-test cache; NULL = none */
     int check;             /* driver validation; its messages fail the frame */
     int profile;           /* time each pass */
-    /* "allocation:N": the N-th creation fails; "lost:N": the N-th submit; "lacks:FACT": that fact
-     * is 0; "has:FACT": it is 1; or NULL */
+    /* "allocation:N": the N-th creation fails; "lost:N": the N-th submit; "lacks:FACT" and
+     * "claims:FACT": that fact is 0 or 1, whatever the device, several with commas between; or NULL
+     */
     const char *inject;
 } gpu_open_info;
 

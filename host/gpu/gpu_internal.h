@@ -151,13 +151,7 @@ typedef struct gpu_slot {
     uint32_t generation, next_free;
 } gpu_slot;
 
-typedef enum gpu_inject {
-    GPU_INJECT_NONE,
-    GPU_INJECT_ALLOCATION,
-    GPU_INJECT_LOST,
-    GPU_INJECT_LACKS,
-    GPU_INJECT_HAS
-} gpu_inject;
+typedef enum gpu_inject { GPU_INJECT_NONE, GPU_INJECT_ALLOCATION, GPU_INJECT_LOST } gpu_inject;
 
 struct gpu {
     const gpu_backend *backend;
@@ -177,7 +171,7 @@ struct gpu {
     gpu_program_state *programs;
 
     gpu_inject inject;
-    char inject_fact[64]; /* which is 0 or 1 */
+    char injected_facts[192]; /* "lacks:FACT" and "claims:FACT", with commas between */
     uint64_t inject_at, creations, submits;
     int lost;
 

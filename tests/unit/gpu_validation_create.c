@@ -203,16 +203,9 @@ static void test_memory_and_loss(void **state) {
 
 static void test_inject_text(void **state) {
     gpu *g;
-    static const char *const bad[] = {"allocation",
-                                      "allocation:",
-                                      "allocation:0",
-                                      "lost:1x",
-                                      "frob:1",
-                                      "allocation:-1",
-                                      "lacks:",
-                                      "has:",
-                                      "has:0123456789012345678901234567890123456789012345678901"
-                                      "2345678901234"};
+    static const char *const bad[] = {"allocation", "allocation:",     "allocation:0",  "lost:1x",
+                                      "frob:1",     "allocation:-1",   "lacks:",        "lacks:a,",
+                                      "claims:",    "claims:a,lost:1", "lacks:,lacks:a"};
     (void)state;
     for (size_t i = 0; i < BASE_COUNT(bad); i++) {
         base_error err = {0};

@@ -560,19 +560,29 @@ static void test_facts(void **state) {
     assert_int_equal(gpu_fact(f->g, ""), 0);
     assert_int_equal(gpu_fact(f->g, "no.such.fact"), 0);
     assert_int_equal(gpu_fact(f->g, NULL), 0);
-    fixture injected;
-    open_device(&injected, &(gpu_open_info){.backend = "null", .inject = "has:no.such.fact"});
-    assert_int_equal(gpu_fact(injected.g, "no.such.fact"), 1);
-    assert_int_equal(gpu_fact(injected.g, "no.such.facts"), 0);
-    gpu_close(injected.g);
-    open_device(&injected, &(gpu_open_info){.backend = "null", .inject = "lacks:limit.groups"});
-    assert_int_equal(gpu_fact(injected.g, "limit.groups"), 0);
-    gpu_close(injected.g);
     gpu *g;
     base_error err = {0};
     assert_int_equal(gpu_open(&(gpu_open_info){.backend = "direct3d"}, &g, &err),
                      STRATA_ERROR_NOT_FOUND);
     assert_non_null(strstr(err.text, "direct3d"));
+}
+
+/* Injected facts stand above the device's; those that rest on others see what was injected. */
+static void test_injected_facts(void **state) {
+    fixture f;
+    (void)state;
+    open_device(&f, &(gpu_open_info){.backend = "null",
+                                     .inject = "lacks:ordered_attachments,claims:limit.groups,"
+                                               "claims:selftest.ordered_rmw"});
+    assert_int_equal(gpu_fact(f.g, "ordered_attachments"), 0);
+    assert_int_equal(gpu_fact(f.g, "limit.groups"), 1);
+    assert_int_equal(gpu_fact(f.g, "selftest.ordered_rmw"), 1);
+    assert_int_equal(gpu_fact(f.g, "selftest.ordered"), 0);
+    assert_int_equal(gpu_fact(f.g, "ordered_access"), 1);
+    gpu_close(f.g);
+    open_device(&f, &(gpu_open_info){.backend = "null", .inject = "lacks:ordered_attachments"});
+    assert_int_equal(gpu_fact(f.g, "ordered_access"), 0);
+    gpu_close(f.g);
 }
 
 int main(void) {
@@ -595,6 +605,7 @@ int main(void) {
         ON_NULL(test_first_error_sticks),
         ON_NULL(test_rectangle),
         ON_NULL(test_facts),
+        cmocka_unit_test(test_injected_facts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
