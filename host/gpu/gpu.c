@@ -327,7 +327,8 @@ uint64_t gpu_fact(gpu *g, const char *id) {
     if (strcmp(id, "ordered_attachments") == 0)
         return (uint64_t)has_ordered_attachments(g);
     if (strcmp(id, "ordered_access") == 0)
-        return gpu_fact(g, "ordered_attachments") || gpu_fact(g, "selftest.ordered_rmw");
+        return gpu_fact(g, "ordered_attachments") || gpu_fact(g, "selftest.ordered_rmw") ||
+               gpu_fact(g, "selftest.interlock");
     for (size_t i = 0; i < BASE_COUNT(facts); i++)
         if (strcmp(id, facts[i].id) == 0)
             return facts[i].value;

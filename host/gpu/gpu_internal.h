@@ -15,7 +15,7 @@
 #define GPU_MAX_USES     (GPU_MAX_BINDINGS + GPU_MAX_COLOR + 8u)
 #define GPU_MAX_UNIFORM  65536u /* bytes of a uniform block that every supported driver takes */
 #define GPU_MAX_PARAMS   128u
-#define GPU_SELFTESTS    4
+#define GPU_SELFTESTS    5
 #define GPU_POOL_MINIMUM 1024u /* elements of a pool whose maker expected nothing */
 
 /* ---- storage, owners, scopes ------------------------------------------------------------------

@@ -86,22 +86,26 @@ static int test_timestamps(gpu *g, gpu_scope *scope) {
     return agreed == HEAVY_AGREED;
 }
 
-/* ---- ordered_rmw: are plain read-modify-writes of a pixel exact and in primitive order? ------ */
+/* ---- ordered_rmw, interlock: are read-modify-writes exact and in primitive order? ------------ */
 
 #define RMW_SIZE       128u                   /* pixels along a side */
 #define RMW_PRIMITIVES GPU_SELFTEST_TRIANGLES /* that cover all of them */
 #define RMW_ROUNDS     4
 
-static const strata_glsl counting = {"layout(std430) buffer Cells { uint cells[]; };\n"
-                                     "STRATA_PARAMS { uint width; } params;\n"
-                                     "void main() {\n"
-                                     "    uvec2 p = uvec2(gl_FragCoord.xy);\n"
-                                     "    uint i = p.y * params.width + p.x;\n"
-                                     "    uint before = cells[i];\n"
-                                     "    if (before == uint(gl_PrimitiveID))\n"
-                                     "        cells[i] = before + 1u;\n"
-                                     "}\n",
-                                     "selftest.ordered_rmw"};
+static const strata_glsl counting = {
+    "#include \"strata/interlock.glsl\"\n"
+    "layout(std430) STRATA_INTERLOCKED buffer Cells { uint cells[]; };\n"
+    "STRATA_PARAMS { uint width; } params;\n"
+    "void main() {\n"
+    "    uvec2 p = uvec2(gl_FragCoord.xy);\n"
+    "    uint i = p.y * params.width + p.x;\n"
+    "    STRATA_INTERLOCK_BEGIN\n"
+    "    uint before = cells[i];\n"
+    "    if (before == uint(gl_PrimitiveID))\n"
+    "        cells[i] = before + 1u;\n"
+    "    STRATA_INTERLOCK_END\n"
+    "}\n",
+    "selftest.counting"};
 
 strata_result gpu_selftest_draws(gpu_scope *scope, uint32_t triangles, strata_draws *draws) {
     const uint32_t count = triangles < GPU_SELFTEST_TRIANGLES ? triangles : GPU_SELFTEST_TRIANGLES;
@@ -149,11 +153,14 @@ static int count_once(gpu *g, strata_program program, strata_buffer cells, strat
     return 1;
 }
 
-static int test_ordered_rmw(gpu *g, gpu_scope *scope) {
+/* Of fragments of a pixel: plain ones, or with STRATA_INTERLOCK those in sections. */
+static int counts_in_order(gpu *g, gpu_scope *scope, const char *const *defines, uint32_t count) {
     const strata_program_desc program_desc = {.struct_size = sizeof program_desc,
                                               .kind = STRATA_PROGRAM_FULLSCREEN,
                                               .label = "selftest",
-                                              .source = &counting};
+                                              .source = &counting,
+                                              .defines = defines,
+                                              .define_count = count};
     const strata_buffer_desc cells_desc = {
         .struct_size = sizeof cells_desc, .label = "cells", .size = RMW_SIZE * RMW_SIZE * 4};
     strata_program program;
@@ -169,6 +176,15 @@ static int test_ordered_rmw(gpu *g, gpu_scope *scope) {
         exact = count_once(g, program, cells, draws, values);
     free(values);
     return exact;
+}
+
+static int test_ordered_rmw(gpu *g, gpu_scope *scope) {
+    return counts_in_order(g, scope, NULL, 0);
+}
+
+static int test_interlock(gpu *g, gpu_scope *scope) {
+    static const char *const defines[] = {"STRATA_INTERLOCK"};
+    return g->caps.fragment_interlock && counts_in_order(g, scope, defines, 1);
 }
 
 /* ---- ordered_attachments: are attachments read and replaced in primitive order? ---------------
@@ -275,6 +291,7 @@ static const struct {
 } selftests[GPU_SELFTESTS] = {
     {"selftest.timestamps", test_timestamps},
     {"selftest.ordered_rmw", test_ordered_rmw},
+    {"selftest.interlock", test_interlock},
     {"selftest.ordered_attachments", test_ordered_attachments},
     {"selftest.sample_routing", gpu_selftest_sample_routing},
 };

@@ -223,6 +223,8 @@ static strata_result add_prologue(expansion *e, const strata_program_desc *desc,
                   stage == GPU_STAGE_VERTEX     ? "VERTEX"
                   : stage == GPU_STAGE_FRAGMENT ? "FRAGMENT"
                                                 : "COMPUTE");
+    if (stage == GPU_STAGE_FRAGMENT && e->g->caps.fragment_interlock)
+        base_text_add(text, "#define STRATA_HAS_INTERLOCK 1\n");
     for (const gpu_text *define = e->g->defines; define; define = define->next)
         base_text_add(text, "#define %s %s\n", define->name, define->text);
     for (uint32_t i = 0; result == STRATA_OK && i < desc->define_count; i++)

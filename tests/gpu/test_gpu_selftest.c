@@ -98,6 +98,17 @@ static void test_ordered_rmw(void **state) {
     check_kept("selftest.ordered_rmw", "ordered_rmw");
 }
 
+/* Never without the feature. */
+static void test_interlock(void **state) {
+    fixture f;
+    (void)state;
+    if (!open_current(&f, 0))
+        return;
+    assert_true(gpu_fact(f.g, "selftest.interlock") <= gpu_fact(f.g, "feature.fragment_interlock"));
+    gpu_close(f.g);
+    check_kept("selftest.interlock", "interlock");
+}
+
 static void test_ordered_attachments(void **state) {
     (void)state;
     check_kept("selftest.ordered_attachments", "ordered_attachments");
@@ -197,6 +208,7 @@ static void test_clock(void **state) {
 int main(void) {
     const struct CMUnitTest selftests[] = {
         IN_FOLDER(test_ordered_rmw),
+        IN_FOLDER(test_interlock),
         IN_FOLDER(test_ordered_attachments),
         IN_FOLDER(test_sample_routing),
         IN_FOLDER(test_sample_routing_fails),

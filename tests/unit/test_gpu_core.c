@@ -573,11 +573,12 @@ static void test_injected_facts(void **state) {
     (void)state;
     open_device(&f, &(gpu_open_info){.backend = "null",
                                      .inject = "lacks:ordered_attachments,claims:limit.groups,"
-                                               "claims:selftest.ordered_rmw"});
+                                               "claims:selftest.interlock"});
     assert_int_equal(gpu_fact(f.g, "ordered_attachments"), 0);
     assert_int_equal(gpu_fact(f.g, "limit.groups"), 1);
-    assert_int_equal(gpu_fact(f.g, "selftest.ordered_rmw"), 1);
-    assert_int_equal(gpu_fact(f.g, "selftest.ordered"), 0);
+    assert_int_equal(gpu_fact(f.g, "selftest.interlock"), 1);
+    assert_int_equal(gpu_fact(f.g, "selftest.inter"), 0);
+    assert_int_equal(gpu_fact(f.g, "feature.fragment_interlock"), 0);
     assert_int_equal(gpu_fact(f.g, "ordered_access"), 1);
     gpu_close(f.g);
     open_device(&f, &(gpu_open_info){.backend = "null", .inject = "lacks:ordered_attachments"});
