@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
 // kplus, array and heap: one fragment into its pixel's slots, the k+-buffer itself. Exclusion is a lock
-// a pixel (LOCK), or none where the device orders read-modify-writes by itself. HEAP chooses the structure.
-// StrataPayload and strata_payload_store are the including source's.
+// a pixel (LOCK), the section of an interlock around insert() (STRATA_INTERLOCK), or none where the device
+// orders read-modify-writes by itself. HEAP chooses the structure. StrataPayload and strata_payload_store
+// are the including source's.
+#include "strata/interlock.glsl"
 #ifdef LOCK
 #define EXCLUDED coherent
 #else
-#define EXCLUDED
+#define EXCLUDED STRATA_INTERLOCKED
 #endif
 #define STRATA_RECORDS EXCLUDED
 #define STRATA_KEYS STRATA_PAIR
@@ -27,7 +29,7 @@ layout(std430) coherent buffer Cells { uvec2 cells[]; };
 layout(std430) buffer Failures { uint failures; };
 uvec2 cell_at(uint pixel) { return cells[pixel]; }
 #else
-layout(std430) buffer Cells { STRATA_PAIR cells[]; };
+layout(std430) EXCLUDED buffer Cells { STRATA_PAIR cells[]; };
 uvec2 cell_at(uint pixel) { return STRATA_FROM_PAIR(cells[pixel]); }
 #endif
 
@@ -93,6 +95,9 @@ void insert(uint pixel, uvec2 cell, uvec2 record, StrataPayload payload) {
     if (waiting)
         atomicAdd(failures, 1u);
 #else
+#ifdef STRATA_INTERLOCK // others were here since the cell was read
+    cell = cell_at(pixel);
+#endif
     cells[pixel] = STRATA_TO_PAIR(place_record(pixel, cell, record, payload));
 #endif
 }

@@ -7,8 +7,8 @@
 #include "shared/records.h"
 
 static const char *const structure_choices[] = {"auto", "array", "heap", NULL};
-static const char *const exclusion_choices[] = {"auto",     "lock",    "atomic64", "atomic32",
-                                                "unlocked", "ordered", NULL};
+static const char *const exclusion_choices[] = {"auto",     "lock",    "atomic64",  "atomic32",
+                                                "unlocked", "ordered", "interlock", NULL};
 static const char *const memory_choices[] = {"fixed", "exact", NULL};
 static const strata_knob k = {.struct_size = sizeof(strata_knob),
                               .type = STRATA_KNOB_INT,
@@ -28,7 +28,7 @@ static const strata_knob exclusion = {.struct_size = sizeof(strata_knob),
                                       .type = STRATA_KNOB_CHOICE,
                                       .name = "exclusion",
                                       .title = "what keeps fragments of a pixel apart",
-                                      .maximum = 5,
+                                      .maximum = 6,
                                       .choices = exclusion_choices};
 static const strata_knob memory = {.struct_size = sizeof(strata_knob),
                                    .type = STRATA_KNOB_CHOICE,

@@ -27,7 +27,8 @@ typedef enum path { /* of the knob `exclusion` */
                     PATH_ATOMIC64,
                     PATH_ATOMIC32,
                     PATH_UNLOCKED,
-                    PATH_ORDERED
+                    PATH_ORDERED,
+                    PATH_INTERLOCK
 } path;
 
 extern const strata_knob *const kplus_knobs[KNOB_COUNT];

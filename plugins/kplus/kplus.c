@@ -3,7 +3,8 @@
  * Technique module `kplus`: the k+-buffer. Captures the nearest k fragments of each pixel, in
  * whatever order they arrive, into fragments/1.
  *
- *   unlocked, lock      cells -> store (cull, shade, insert into an array or a heap) -> finish
+ *   unlocked, interlock, lock
+ *                       cells -> store (cull, shade, insert into an array or a heap) -> finish
  *   ordered             needs -> ordered (keys in attachments, payload by slot) -> gather
  *   atomic64, atomic32  empty -> chain (keys by atomicMin) [-> orders] -> payload -> finish
  *
@@ -27,6 +28,7 @@ enum { FINISH_PIXELS = 16, ORDERED_MOST = 16, ATTACHMENTS_MOST = 8 };
 enum { ARRAY_MOST = 32 }; /* a heap wins above */
 
 typedef struct kplus {
+    const strata_host *host;
     const strata_gpu *gpu;
     strata_draws draws;
     strata_image limit;
@@ -53,15 +55,16 @@ static const strata_glsl *const includes[] = {&array_glsl,  &attachments_glsl, &
                                               &insert_glsl, &slots_glsl,       NULL};
 
 static strata_result create(void *state, const strata_host *host, const strata_gpu *gpu) {
-    (void)host;
-    ((kplus *)state)->gpu = gpu;
+    kplus *s = state;
+    s->host = host;
+    s->gpu = gpu;
     return STRATA_OK;
 }
 
 /* ---- prepare --------------------------------------------------------------------------------- */
 
-static path lock_free(const strata_gpu *gpu) {
-    return gpu->fact(gpu->self, "feature.int64_atomics") ? PATH_ATOMIC64 : PATH_ATOMIC32;
+static uint32_t has(const kplus *s, const char *fact) {
+    return s->gpu->fact(s->gpu->self, fact) != 0;
 }
 
 /* k counts first: ranges are exact. */
@@ -77,11 +80,31 @@ static uint32_t is_heap(const double *values, const strata_scene_stats *stats) {
     return structure == STRUCTURE_AUTO ? most > ARRAY_MOST : structure == STRUCTURE_HEAP;
 }
 
-/* The path of these settings; 0 where the device cannot take the one that was asked for. */
-static int choose(kplus *s, const strata_view *view, int grows) {
-    const strata_gpu *gpu = s->gpu;
+/* Why this device cannot take a path, or NULL. */
+static const char *refusal(const kplus *s, path p) {
+    if (p == PATH_UNLOCKED && !s->ordered)
+        return "unlocked needs accesses in order (selftest.ordered_rmw)";
+    if (p == PATH_INTERLOCK && !has(s, "selftest.interlock"))
+        return "interlock needs a fragment interlock (selftest.interlock)";
+    if (p == PATH_ORDERED && s->params.k > ORDERED_MOST)
+        return "ordered keeps at most 16 fragments";
+    if (p == PATH_ORDERED && !has(s, "ordered_attachments"))
+        return "ordered needs ordered_attachments";
+    if (p == PATH_ATOMIC64 && !has(s, "feature.int64_atomics"))
+        return "atomic64 needs feature.int64_atomics";
+    return NULL;
+}
+
+/* What `auto` takes: the first that may. An interlock costs a wait where fragments of a pixel meet;
+ * attachments move all keys of the pixel for each fragment, and where storage is not in order too
+ * take a second geometry pass, as atomics always do. */
+static const path preferred[] = {PATH_UNLOCKED, PATH_INTERLOCK, PATH_ORDERED, PATH_ATOMIC64,
+                                 PATH_ATOMIC32};
+
+/* The path of these settings, and the one that stands in for the lock. */
+static strata_result choose(kplus *s, const strata_view *view, int grows) {
     const double *values = view->settings->values;
-    s->ordered = gpu->fact(gpu->self, "selftest.ordered_rmw") != 0;
+    s->ordered = has(s, "selftest.ordered_rmw");
     s->params.k = (uint32_t)values[KNOB_K];
     s->params.tries = (uint32_t)values[KNOB_TRIES];
     s->exact = is_exact(values);
@@ -89,14 +112,20 @@ static int choose(kplus *s, const strata_view *view, int grows) {
     s->path = (path)values[KNOB_EXCLUSION];
     if (s->path == PATH_ORDERED && grows && s->params.k > ORDERED_MOST)
         s->params.k = ORDERED_MOST; /* the most that a pixel may grow to */
-    s->other = lock_free(gpu);
-    const int attachments =
-        s->params.k <= ORDERED_MOST && gpu->fact(gpu->self, "ordered_attachments") != 0;
-    if (s->path == PATH_AUTO)
-        s->path = s->ordered ? PATH_UNLOCKED : attachments ? PATH_ORDERED : s->other;
-    return s->params.k == 0 ||
-           ((s->path != PATH_UNLOCKED || s->ordered) && (s->path != PATH_ORDERED || attachments) &&
-            (s->path != PATH_ATOMIC64 || s->other == PATH_ATOMIC64));
+    s->other = refusal(s, PATH_ATOMIC64) ? PATH_ATOMIC32 : PATH_ATOMIC64;
+    for (size_t i = 0; s->path == PATH_AUTO; ++i)
+        if (!refusal(s, preferred[i]))
+            s->path = preferred[i];
+    const char *reason = refusal(s, s->path);
+    if (s->params.k == 0 || !reason)
+        return STRATA_OK;
+    s->host->log(s->host->self, 0, reason);
+    return STRATA_ERROR_UNSUPPORTED;
+}
+
+/* One geometry pass that inserts. */
+static int inserts(path p) {
+    return p == PATH_UNLOCKED || p == PATH_INTERLOCK || p == PATH_LOCK;
 }
 
 static int is_chain(path p) {
@@ -114,9 +143,8 @@ static uint32_t attachment_count(uint32_t k) {
 
 static strata_result create_records(kplus *s, const strata_view *view) {
     const uint64_t pixels = (uint64_t)view->band_width * view->band_height;
-    const int nodes = s->heap && (s->path == PATH_LOCK || s->path == PATH_UNLOCKED);
-    return records_create(s->gpu, view, nodes ? "Nodes" : NULL, s->exact ? 0 : pixels * s->params.k,
-                          &s->records);
+    return records_create(s->gpu, view, s->heap && inserts(s->path) ? "Nodes" : NULL,
+                          s->exact ? 0 : pixels * s->params.k, &s->records);
 }
 
 /* A program and which variant of its source it is. */
@@ -143,6 +171,8 @@ static strata_result create_programs(const kplus *s, path p, const source *sourc
             defines[defined++] = "EACH";
         if (s->exact)
             defines[defined++] = "EXACT";
+        if (p == PATH_INTERLOCK)
+            defines[defined++] = "STRATA_INTERLOCK";
         if (p == PATH_LOCK)
             defines[defined++] = "LOCK";
         if (p == PATH_LOCK && !s->ordered)
@@ -227,13 +257,13 @@ static strata_result prepare_path(kplus *s, const strata_view *view) {
     strata_result r = create_buffer(s->gpu, "events", 4, &s->events);
     if (r == STRATA_OK && s->path == PATH_ORDERED)
         return prepare_ordered(s, view);
-    if (r == STRATA_OK && !is_chain(s->path)) {
+    if (r == STRATA_OK && inserts(s->path)) {
         r = create_buffer(s->gpu, "cells", (uint64_t)view->band_width * view->band_height * 8,
                           &s->cells);
         if (r == STRATA_OK)
             r = prepare_insertion(s);
     }
-    if (r == STRATA_OK && s->path != PATH_UNLOCKED)
+    if (r == STRATA_OK && (is_chain(s->path) || s->path == PATH_LOCK))
         r = prepare_chain(s, is_chain(s->path) ? s->path : s->other);
     return r;
 }
@@ -245,9 +275,9 @@ static strata_result prepare(void *state, const strata_view *view) {
     s->limit = view->image(view->self, "limit/1");
     s->lock_failed = s->tied = 0;
     const uint32_t begin = (uint32_t)view->settings->values[KNOB_BEGIN];
-    if (!choose(s, view, begin > 0 && view->tolerance > 0))
-        return STRATA_ERROR_UNSUPPORTED;
-    strata_result r = growth_prepare(&s->growth, s->gpu, view, begin, s->params.k, includes);
+    strata_result r = choose(s, view, begin > 0 && view->tolerance > 0);
+    if (r == STRATA_OK)
+        r = growth_prepare(&s->growth, s->gpu, view, begin, s->params.k, includes);
     s->counting.nearest = s->growth.nearest;
     if (r == STRATA_OK)
         r = create_buffer(s->gpu, "ranges", pixels * 8, &s->ranges);
@@ -451,7 +481,7 @@ static strata_result verify(void *state, const strata_frame *frame) {
     strata_result r = counting_verify(&s->counting, frame, &totals);
     if (r != STRATA_OK || s->params.k == 0)
         return r;
-    if (s->path != PATH_UNLOCKED && s->path != PATH_ORDERED)
+    if (is_chain(s->path) || s->path == PATH_LOCK)
         r = frame->read(frame->self, s->events, 0, sizeof events, &events);
     if (r != STRATA_OK || events == 0)
         return r == STRATA_OK ? growth_verify(&s->growth, frame) : r;
@@ -494,7 +524,7 @@ static const strata_slot_use *const slots[] = {&slots_draws, &slots_limit, &frag
                                                &behind_use};
 
 static const char *const prefers[] = {"ordered_attachments", "selftest.ordered_rmw",
-                                      "feature.int64_atomics", NULL};
+                                      "selftest.interlock", "feature.int64_atomics", NULL};
 
 static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),

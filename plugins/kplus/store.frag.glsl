@@ -2,7 +2,7 @@
 //
 // kplus, array and heap, the geometry pass: culls, shades and inserts each fragment. The attachment counts
 // by blending what arrived (memory=fixed; else it was counted before).
-#ifdef LOCK
+#if defined(LOCK) || defined(STRATA_INTERLOCK)
 #define STRATA_PAYLOAD_ACCESS coherent
 #endif
 #define STRATA_PAYLOAD_WRITE
@@ -38,15 +38,21 @@ void main() {
     uint pixel = strata_pixel(uvec2(gl_FragCoord.xy));
     uvec2 record = uvec2(strata_key(gl_FragCoord.z), strata_order(strata_primitive()));
     uvec2 cell = cell_at(pixel);
-    if (culled(cell, record)) {
+    bool behind = culled(cell, record);
 #ifdef SHADE_FIRST
-        strata_lose(pixel, strata_emit(surface));
-#endif
-        return;
+    StrataPayload payload = strata_emit(surface);
+    if (behind)
+        strata_lose(pixel, payload);
+#else
+    StrataPayload payload;
+    if (!behind) {
+        StrataSurface surface;
+        strata_surface(surface);
+        payload = strata_emit(surface);
     }
-#ifndef SHADE_FIRST
-    StrataSurface surface;
-    strata_surface(surface);
 #endif
-    insert(pixel, cell, record, strata_emit(surface));
+    STRATA_INTERLOCK_BEGIN
+    if (!behind)
+        insert(pixel, cell, record, payload);
+    STRATA_INTERLOCK_END
 }

@@ -33,11 +33,14 @@ extern const test_scene picture_scenes[];
 extern const size_t picture_scene_count;
 
 /* An instance of this backend, kept for the whole program; NULL when the backend cannot be opened
- * here (the caller skips and says so). "vulkan lacks:FACT" is Vulkan on a device without it. */
+ * here (the caller skips and says so). "vulkan lacks:FACT" is Vulkan on a device without it,
+ * "vulkan claims:FACT" on one that has it (strata_open_options.inject). */
 strata *picture_instance(const char *backend);
 void picture_close(void); /* all instances */
 
-/* A fact of its device (strata/gpu.h), for ways that not every device takes. */
+/* A fact of its device (strata/gpu.h), for ways that not every device takes. `selftest.interlock`
+ * may be claimed: its sections are plain code then, which counts where the device keeps a pixel's
+ * fragments in order by itself. */
 uint64_t picture_fact(const strata *instance, const char *id);
 
 /* Loads; a failure fails the test with the instance's line. */

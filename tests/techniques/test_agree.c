@@ -63,6 +63,15 @@ static const exact_way ways[] = {
      .depth = 16,
      .fact = "selftest.ordered_rmw"},
     {{.use = "kplus,ppc",
+      .settings = {"kplus.k=64", "kplus.exclusion=interlock", "kplus.structure=array"},
+      .shuffle = 3},
+     .depth = 64,
+     .fact = "selftest.interlock"},
+    {{.use = "kplus,ppc",
+      .settings = {"kplus.k=128", "kplus.exclusion=interlock", "kplus.memory=exact"}},
+     .depth = 128,
+     .fact = "selftest.interlock"},
+    {{.use = "kplus,ppc",
       .settings = {"kplus.k=128", "kplus.exclusion=unlocked", "kplus.structure=array",
                    "kplus.payload=half"}},
      .depth = 128,
@@ -147,8 +156,8 @@ static void compare_ways(const test_scene *scene, const char *backend, picture r
 static void exact_ways_agree(void **state) {
     const test_scene *scene = *state;
     picture references[3] = {{0}};
-    compare_ways(scene, "vulkan", references);
-    compare_ways(scene, "gl", references);
+    compare_ways(scene, "vulkan claims:selftest.interlock", references);
+    compare_ways(scene, "gl claims:selftest.interlock", references);
     if (!references[0].pixels)
         skip();
     for (size_t p = 0; p < 3; ++p)
