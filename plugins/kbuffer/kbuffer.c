@@ -28,6 +28,7 @@ typedef struct kbuffer {
     const strata_host *host;
     uint32_t words;       /* a pixel's, see sorter.glsl */
     uint32_t attachments; /* that hold them, four words each; 0: they are in storage */
+    uint32_t interlock;   /* 1: an interlock is what keeps storage in order */
     strata_draws draws;
     strata_image color, limit, images[MAX_ATTACHMENTS];
     strata_buffer state, lost;
@@ -49,29 +50,35 @@ static strata_result create(void *state, const strata_host *host, const strata_g
 static strata_result program(const kbuffer *s, uint32_t kind, const char *label,
                              const strata_glsl *source, uint32_t k, strata_program *out) {
     char entries[16];
-    const char *const defines[] = {entries, "ATTACHMENTS"};
+    const char *const defines[] = {entries, s->attachments ? "ATTACHMENTS" : "STRATA_INTERLOCK"};
     snprintf(entries, sizeof entries, "K=%u", k);
-    return s->gpu->program_create(s->gpu->self,
-                                  &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
-                                                         .kind = kind,
-                                                         .label = label,
-                                                         .source = source,
-                                                         .defines = defines,
-                                                         .define_count = s->attachments ? 2 : 1,
-                                                         .includes = includes},
-                                  out);
+    return s->gpu->program_create(
+        s->gpu->self,
+        &(strata_program_desc){.struct_size = sizeof(strata_program_desc),
+                               .kind = kind,
+                               .label = label,
+                               .source = source,
+                               .defines = defines,
+                               .define_count = s->attachments || s->interlock ? 2 : 1,
+                               .includes = includes},
+        out);
 }
 
-/* Attachments where they hold the words; storage only where its order has been shown. */
+static int has(const kbuffer *s, const char *fact) {
+    return s->gpu->fact(s->gpu->self, fact) != 0;
+}
+
+/* Attachments where they hold the words; storage where accesses to it have been shown to be in
+ * order, by themselves or by the interlock. */
 static strata_result create_state(kbuffer *s, const strata_view *view) {
     const uint32_t attachments = (s->words + 3) / 4;
+    const int held = attachments <= MAX_ATTACHMENTS && has(s, "ordered_attachments");
     strata_result r = STRATA_OK;
-    s->attachments = 0;
-    if (attachments <= MAX_ATTACHMENTS && s->gpu->fact(s->gpu->self, "ordered_attachments"))
-        s->attachments = attachments;
-    else if (!s->gpu->fact(s->gpu->self, "selftest.ordered_rmw")) {
+    s->attachments = held ? attachments : 0;
+    s->interlock = !held && !has(s, "selftest.ordered_rmw");
+    if (s->interlock && !has(s, "selftest.interlock")) {
         s->host->log(s->host->self, 0,
-                     "kbuffer: this device holds fewer entries: take a smaller k or payload");
+                     "this device holds fewer entries: take a smaller k or payload");
         return STRATA_ERROR_UNSUPPORTED;
     }
     if (!s->attachments)

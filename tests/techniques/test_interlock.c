@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Programs with a section of the fragment interlock (strata/interlock.glsl), where no device has
- * one: all that kplus makes of it, for Vulkan and for OpenGL, is SPIR-V that the Khronos
+ * one: all that kplus and kbuffer make of it, for Vulkan and for OpenGL, is SPIR-V that the Khronos
  * validator accepts, enters and leaves the section once, in order of primitives, and shares storage
  * that is coherent. That the code in the section is right, their own tests show.
  */
@@ -152,6 +152,8 @@ static const row rows[] = {
      {"kplus.exclusion=interlock", "kplus.structure=heap", "kplus.memory=exact",
       "kplus.payload=unorm8"}},
     {"kplus,ppc", {"kplus.exclusion=auto"}},
+    {"kbuffer", {"kbuffer.k=1"}},
+    {"kbuffer", {"kbuffer.k=16", "kbuffer.payload=unorm8"}},
 };
 
 static void check_row(const row *r, const char *path, uint32_t outputs, int device) {

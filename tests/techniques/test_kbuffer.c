@@ -16,8 +16,11 @@
 
 #include "render/render.h"
 
-static const char *const backends[] = {"vulkan", "gl", "vulkan lacks:ordered_attachments",
-                                       "gl lacks:ordered_attachments"};
+/* Entries in attachments, in storage, in storage with an interlock. */
+#define STORAGE   " lacks:ordered_attachments"
+#define INTERLOCK STORAGE ",lacks:selftest.ordered_rmw,claims:selftest.interlock"
+static const char *const backends[] = {
+    "vulkan", "gl", "vulkan" STORAGE, "gl" STORAGE, "vulkan" INTERLOCK, "gl" INTERLOCK};
 
 #define BACKENDS (sizeof backends / sizeof *backends)
 
@@ -64,6 +67,7 @@ static int holds(const strata *instance, const char *const *settings) {
     for (size_t i = 0; i < sizeof fit / sizeof *fit; ++i)
         fits |= strcmp(settings[1], fit[i]) == 0;
     return picture_fact(instance, "selftest.ordered_rmw") ||
+           picture_fact(instance, "selftest.interlock") ||
            (fits && picture_fact(instance, "ordered_attachments"));
 }
 
