@@ -6,9 +6,7 @@
 
 #include <math.h>
 
-/* Between these shares of the target a level stays. */
-#define LOW  0.9
-#define HIGH 1.05
+#define LOW 0.9 /* of the target: from there to BUDGET_NEAR a level stays */
 
 /* Of the target: a frame that takes longer is believed at once, others twice. */
 #define DOUBT 1.25
@@ -65,7 +63,7 @@ static double next_level(const budget_rule *r) {
  * there is none between it and the next, is left only when frames are quite different ones. */
 static int stays(const budget_rule *r) {
     const double late = r->target * BUDGET_MET;
-    if (r->settled_ms > HIGH * r->target)
+    if (r->settled_ms > BUDGET_NEAR * r->target)
         return r->ms <= r->settled_ms * OTHER && r->ms * OTHER >= r->settled_ms;
     const double early =
         r->settled_ms >= LOW * r->target ? r->target * LOW / BUDGET_MET : r->settled_ms / OTHER;
@@ -80,7 +78,7 @@ int budget_measure(budget_rule *r, double ms) {
             return 0;
         r->settled_ms = r->fits = r->misses = r->other = 0.0; /* the scene is another */
     }
-    if (r->ms >= LOW * r->target && r->ms <= HIGH * r->target) {
+    if (r->ms >= LOW * r->target && r->ms <= BUDGET_NEAR * r->target) {
         r->settled_ms = r->ms;
         return 0;
     }

@@ -65,7 +65,8 @@ typedef struct costs_form {
 #define COSTS_LAYOUTS  2u
 #define COSTS_PAYLOADS 3u
 
-const char *costs_payload_name(uint32_t payload); /* "float", "half", "unorm8"; below COSTS_PAYLOADS */
+const char *
+costs_payload_name(uint32_t payload); /* "float", "half", "unorm8"; below COSTS_PAYLOADS */
 
 /* ---- terms ----------------------------------------------------------------------------------- */
 

@@ -347,7 +347,7 @@ static strata_result choose_within(search *s) {
     const int exact =
         s->best.fold && is_exact(s->best.fold) && (!s->best.capture || is_exact(s->best.capture));
     s->room = plan_room(w);
-    if (exact && !(w->in->late >> s->best.form.payload & 1u) && s->best.cost <= s->room)
+    if (exact && !(w->in->late >> s->best.form.payload & 1u) && plan_fits(&s->best, s->room))
         return STRATA_OK;
     s->within = 1;
     s->cheapest = exact ? s->best : (way){0};

@@ -116,6 +116,8 @@ double plan_room(const plan_work *w);      /* what the fold may cost; HUGE_VAL: 
 /* Whether the user leaves open in which precision it stores, or how many it keeps. */
 int plan_free_payload(const plan_candidate *holder);
 int plan_free_count(const plan_candidate *holder);
+/* Whether what has one cost fits: it is not given up for missing the budget by a little. */
+int plan_fits(const plan_way *candidate, double room);
 /* Sets keeps, cost and error to the most that fits into `room`; 0: even the least does not, and
  * that is what they are set to. */
 int plan_fit_way(const plan_work *w, plan_way *candidate, double room);

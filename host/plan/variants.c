@@ -162,44 +162,54 @@ static int is_tried(const collector *c, const strata_knob *knob) {
     return c->breadth != PLAN_BREADTH_LADDER || knob->trades_accuracy || is_named(knob, "mode");
 }
 
-static int add_choices(collector *c, const strata_knob *knob) {
-    for (uint32_t i = 0; knob->choices[i] && is_tried(c, knob); ++i) {
-        plan_variant *added = (double)i == knob->preset ? NULL : add(c);
-        if (added)
-            set_choice(added, knob, i);
-        else if ((double)i != knob->preset)
-            return 0;
-    }
-    return 1;
+static void set_value(collector *c, plan_variant *v, const strata_knob *knob, double value) {
+    if (knob->type == STRATA_KNOB_CHOICE)
+        set_choice(v, knob, (uint32_t)value);
+    else
+        set_number(c, v, knob, value);
 }
 
-/* The same once more with each other payload. */
-static int add_payloads(collector *c, const strata_knob *count, double value) {
-    const strata_knob *payload = find_knob(c->technique, "payload");
+/* Records are another work in each of their forms: so many of them, laid out so, in each payload.
+ */
+static int shapes_records(const collector *c, const strata_knob *knob) {
+    return c->breadth != PLAN_BREADTH_EDGES &&
+           (is_count(knob) || (is_named(knob, "mode") && !knob->trades_accuracy));
+}
+
+/* With the knob at this value; where it shapes records, once more with each other payload. */
+static int add_value(collector *c, const strata_knob *knob, double value) {
+    const strata_knob *payload =
+        shapes_records(c, knob) ? find_knob(c->technique, "payload") : NULL;
+    plan_variant *added = add(c);
+    if (!added)
+        return 0;
+    set_value(c, added, knob, value);
     for (uint32_t i = 0; payload && payload->choices && payload->choices[i]; ++i) {
         if ((double)i == payload->preset)
             continue;
-        plan_variant *added = add(c);
+        added = add(c);
         if (!added)
             return 0;
-        set_number(c, added, count, value);
+        set_value(c, added, knob, value);
         set_choice(added, payload, i);
     }
     return 1;
 }
 
+static int add_choices(collector *c, const strata_knob *knob) {
+    int added = 1;
+    for (uint32_t i = 0; knob->choices[i] && is_tried(c, knob) && added; ++i)
+        added = (double)i == knob->preset || add_value(c, knob, i);
+    return added;
+}
+
 static int add_numbers(collector *c, const strata_knob *knob) {
     double values[MAX_VALUES];
     const uint32_t count = values_of(c, knob, values);
-    for (uint32_t i = 0; i < count; ++i) {
-        plan_variant *added = add(c);
-        if (!added)
-            return 0;
-        set_number(c, added, knob, values[i]);
-        if (c->breadth != PLAN_BREADTH_EDGES && is_count(knob) && !add_payloads(c, knob, values[i]))
-            return 0;
-    }
-    return 1;
+    int added = 1;
+    for (uint32_t i = 0; i < count && added; ++i)
+        added = add_value(c, knob, values[i]);
+    return added;
 }
 
 static int add_technique(collector *c) {

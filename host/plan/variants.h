@@ -14,7 +14,8 @@ enum { PLAN_VARIANT_KNOBS = 2 }; /* turned at most at once */
 enum {
     /* Each knob alone, at the edges of its range; `k` around the depth, where exactness begins. */
     PLAN_BREADTH_EDGES,
-    /* What trades accuracy, in powers of two up to the depth, times payloads; and `mode`. */
+    /* What trades accuracy, in powers of two up to the depth; and `mode`; those of them that shape
+     * records in each payload. */
     PLAN_BREADTH_LADDER,
     /* And every other choice. */
     PLAN_BREADTH_LADDER_ALL

@@ -5,6 +5,7 @@
  * measured, in the sweep or in the frames before; where nothing was, exactness is tried first, and
  * the frames tell.
  */
+#include "plan/budget.h"
 #include "plan/plan_internal.h"
 
 #include <math.h>
@@ -30,6 +31,10 @@ double plan_room(const plan_work *w) {
         if (w->candidates[i].chosen && w->candidates[i].cost != PLAN_NO_COST)
             room -= w->candidates[i].cost;
     return room;
+}
+
+int plan_fits(const plan_way *way, double room) {
+    return way->cost <= BUDGET_NEAR * room;
 }
 
 static int is_free(const plan_candidate *c, int knob) {
@@ -101,8 +106,11 @@ static void keep(const plan_work *w, plan_way *way, double keeps) {
 /* The more are kept the dearer: the most that fits is found by halving. */
 int plan_fit_way(const plan_work *w, plan_way *way, double room) {
     const plan_candidate *holder = plan_holder(way);
-    const int turns = plan_free_count(holder);
-    double fits = turns ? least(holder) : 0.0, misses = turns ? most(w, holder) : 0.0;
+    if (!plan_free_count(holder)) {
+        keep(w, way, 0.0);
+        return plan_fits(way, room);
+    }
+    double fits = least(holder), misses = most(w, holder);
     keep(w, way, misses);
     if (way->cost <= room)
         return 1;
@@ -153,5 +161,6 @@ void plan_explain_budget(plan_work *w, const plan_way *chosen) {
                  budget);
     else
         snprintf(text, size - length, "%s; the budget of %.3g ms is expected to be %s", stored,
-                 budget, chosen->cost <= room && !(w->in->late >> payload & 1u) ? "met" : "missed");
+                 budget,
+                 plan_fits(chosen, room) && !(w->in->late >> payload & 1u) ? "met" : "missed");
 }

@@ -139,6 +139,8 @@ static void promises_end_at_the_largest_depth(void **state) {
     assert_true(find(&v, "abuffer", "", "")->exact);
     assert_true(find(&v, "abuffer", "abuffer.mode=linked", "")->exact);
     assert_int_equal(find(&v, "abuffer", "abuffer.payload=unorm8", "")->payload, 2);
+    const plan_variant *lists = find(&v, "abuffer", "abuffer.mode=linked", "abuffer.payload=half");
+    assert_true(lists && lists->payload == 1 && lists->exact && !lists->crossed);
     free(v.at);
 }
 
