@@ -13,7 +13,7 @@ pkg_check_modules(EGL REQUIRED IMPORTED_TARGET egl)
 pkg_check_modules(SPIRV_CROSS REQUIRED IMPORTED_TARGET spirv-cross-c-shared)
 pkg_check_modules(TINYGLTF REQUIRED IMPORTED_TARGET tinygltf)
 pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR>=3.1)
-find_package(meshoptimizer 0.18 REQUIRED)
+find_package(meshoptimizer REQUIRED) # 0.18 or later; its package calls no later minor compatible
 
 # Archives that depend on each other; which of them exist depends on glslang's version (12 to 15).
 find_path(GLSLANG_INCLUDE glslang/Include/glslang_c_interface.h REQUIRED)
