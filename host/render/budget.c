@@ -13,6 +13,7 @@
 #define RECENT       4u  /* frames that a mean goes back */
 #define AT_ONCE      1.5 /* times the budget: one frame is enough to see that it is missed */
 #define MOST_REPLANS 8u  /* in a sequence: each costs a frame that prepares */
+#define TRUSTS       3u  /* so many of them where what was expected to fit does not */
 
 void render_budget_end(strata *s) {
     free(s->budget.frames);
@@ -90,7 +91,11 @@ static strata_result judge_fixed(strata *s, base_error *err) {
 
 static strata_result judge_turned(strata *s, double ms, base_error *err) {
     render_budget *b = &s->budget;
+    const double before = b->rule.level;
     if (budget_measure(&b->rule, ms)) {
+        /* Something else may now be expected to give up less than what is turned. */
+        if (b->rule.level < before && b->replans < TRUSTS)
+            return plan_again(s, err);
         forget(b);
         return render_session_turn(s->session, b->rule.level, err);
     }
@@ -113,7 +118,7 @@ strata_result render_budget_learn(strata *s, const strata_render_options *option
     const render_budget_frame frame = {.ms = figures->ms,
                                        .level = plan_turned(s->session->plan),
                                        .judged = figures->prepared == 0 && !learning};
-    b->recorded_again = figures->retries > 0;
+    b->recorded_again = figures->retries > 0 && figures->prepared == 0;
     if (!(b->asked > 0))
         return STRATA_OK;
     strata_result r = note(b, frame, err);

@@ -57,6 +57,7 @@ run render 'scene:stack?count=20' --camera orbit:90,0 $size -o turn.exr --repeat
 i=1 doubted=0 wrong=0
 while [ $i -lt 10 ]; do
     before=$(get turn.json frames/$((i - 1))/retries) now=$(get turn.json frames/$i/retries) said=true
+    [ "$(get turn.json frames/$((i - 1))/prepared)" = 0 ] || before=0 # it says nothing
     if [ "$(get turn.json frames/$i/prepared)" != 0 ]; then
         said=false
     elif [ "$now" -gt 0 ] && [ "$before" -eq 0 ]; then
