@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SELFTEST_VERSION 3u /* counts changes of the tests themselves */
+#define SELFTEST_VERSION 4u /* counts changes of the tests themselves */
 
 /* ---- timestamps: does a pass's time agree with the clock? ------------------------------------ */
 
@@ -95,14 +95,19 @@ static int test_timestamps(gpu *g, gpu_scope *scope) {
 static const strata_glsl counting = {
     "#include \"strata/interlock.glsl\"\n"
     "layout(std430) STRATA_INTERLOCKED buffer Cells { uint cells[]; };\n"
+    "layout(r32ui) STRATA_INTERLOCKED uniform uimage2DArray texels;\n"
     "STRATA_PARAMS { uint width; } params;\n"
     "void main() {\n"
     "    uvec2 p = uvec2(gl_FragCoord.xy);\n"
-    "    uint i = p.y * params.width + p.x;\n"
+    "    uint i = p.y * params.width + p.x, id = uint(gl_PrimitiveID);\n"
     "    STRATA_INTERLOCK_BEGIN\n"
     "    uint before = cells[i];\n"
-    "    if (before == uint(gl_PrimitiveID))\n"
+    "    ivec3 texel = ivec3(p, before & 1u);\n"
+    "    uint last = imageLoad(texels, texel).x;\n"
+    "    if (before == id && (id < 2u || last == id - 2u)) {\n"
+    "        imageStore(texels, texel, uvec4(id));\n"
     "        cells[i] = before + 1u;\n"
+    "    }\n"
     "    STRATA_INTERLOCK_END\n"
     "}\n",
     "selftest.counting"};
@@ -129,17 +134,18 @@ strata_result gpu_selftest_draws(gpu_scope *scope, uint32_t triangles, strata_dr
 }
 
 /* One draw of all triangles; 1 when each pixel saw each of them, in order. */
-static int count_once(gpu *g, strata_program program, strata_buffer cells, strata_draws draws,
-                      uint32_t *values) {
+static int count_once(gpu *g, strata_program program, strata_buffer cells, strata_image texels,
+                      strata_draws draws, uint32_t *values) {
     const uint32_t width = RMW_SIZE;
-    const strata_bind bind = {.struct_size = sizeof bind, .name = "Cells", .buffer = cells};
+    const strata_bind binds[] = {{.struct_size = sizeof *binds, .name = "Cells", .buffer = cells},
+                                 {.struct_size = sizeof *binds, .name = "texels", .image = texels}};
     const strata_pass pass = {.struct_size = sizeof pass,
                               .label = "count",
                               .program = program,
                               .params = &width,
                               .params_size = sizeof width,
-                              .binds = &bind,
-                              .bind_count = 1,
+                              .binds = binds,
+                              .bind_count = 2,
                               .draws = draws};
     gpu_begin(g, RMW_SIZE, RMW_SIZE);
     gpu_fill(g, "selftest", cells, 0, 0, 0);
@@ -163,17 +169,25 @@ static int counts_in_order(gpu *g, gpu_scope *scope, const char *const *defines,
                                               .define_count = count};
     const strata_buffer_desc cells_desc = {
         .struct_size = sizeof cells_desc, .label = "cells", .size = RMW_SIZE * RMW_SIZE * 4};
+    const strata_image_desc texels_desc = {.struct_size = sizeof texels_desc,
+                                           .format = STRATA_FORMAT_R32U,
+                                           .label = "texels",
+                                           .width = RMW_SIZE,
+                                           .height = RMW_SIZE,
+                                           .layers = 2};
     strata_program program;
     strata_buffer cells;
+    strata_image texels;
     strata_draws draws;
     int exact = 1;
     uint32_t *values = base_calloc(RMW_SIZE * RMW_SIZE, sizeof *values);
     if (!values || gpu_program_create(scope, &program_desc, &program, NULL) != STRATA_OK ||
         gpu_buffer_create(scope, &cells_desc, &cells, NULL) != STRATA_OK ||
+        gpu_image_create(scope, &texels_desc, &texels, NULL) != STRATA_OK ||
         gpu_selftest_draws(scope, RMW_PRIMITIVES, &draws) != STRATA_OK)
         exact = 0;
     for (int i = 0; i < RMW_ROUNDS && exact; i++)
-        exact = count_once(g, program, cells, draws, values);
+        exact = count_once(g, program, cells, texels, draws, values);
     free(values);
     return exact;
 }

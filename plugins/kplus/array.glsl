@@ -1,33 +1,53 @@
 // SPDX-License-Identifier: MIT
 //
-// kplus, max-array: records stay where they were put; the place of the farthest is found again whenever
-// it changes, by one walk over the keys. Faster than a heap for few slots.
+// kplus, max-array: records stay where they were put. One walk over the keys finds the farthest, which a
+// nearer fragment replaces, and the farthest of the others, by which the pixel culls then. Faster than a
+// heap for few slots.
+//   TEXELS  keys lie in an image besides, a layer a place: software rasterisers gather texels as vectors,
+//           words of a buffer one by one
 
-uint farthest_place(uvec2 slots, uvec2 cell) { return cell.y >> CELL_PLACE_SHIFT & CELL_PLACE; }
+#ifdef TEXELS
+layout(r32ui) uniform uimage2DArray placed_keys;
 
-// After a record was stored at `place`: the state of a pixel with `count` of them.
-uvec2 settle(uvec2 slots, uvec2 cell, uint count, uint place, uvec2 record) {
-    if (count < slots.y || (cell.y & CELL_ROOMY) != 0u)
-        return uvec2(STRATA_NO_KEY, count | (cell.y & CELL_ROOMY));
-    uint farthest = 0u, at = 0u;
-    bool tied = false;
-    for (uint i = 0u; i < count; ++i) {
-        uint key = key_at(slots.x + i).x;
-        if (key >= farthest) {
-            tied = key == farthest;
-            farthest = key;
-            at = i;
-        }
+ivec3 place_texel(uint pixel, uint place) {
+    return ivec3(strata_position(pixel) - strata_band.xy, place);
+}
+#define KEY(place) imageLoad(placed_keys, ivec3(texel, place)).x
+#else
+#define KEY(place) key_at(slots.x + (place)).x
+#endif
+
+uint other_key; // the farthest of the others, as the walk found it
+
+// Of all records of a full pixel: the farthest and its place. Orders are read where they decide.
+uint farthest_place(uint pixel, uvec2 slots, uvec2 record, out uvec2 farthest) {
+    uint place = 0u;
+    farthest = uvec2(0u);
+    other_key = 0u;
+#ifdef TEXELS
+    ivec2 texel = place_texel(pixel, 0u).xy;
+#endif
+    for (uint i = 0u; i < slots.y; ++i) {
+        uint key = KEY(i);
+        bool behind = key >= farthest.x;
+        other_key = max(other_key, behind ? farthest.x : key);
+        farthest.x = behind ? key : farthest.x;
+        place = behind ? i : place;
     }
-    if (tied) {
-        uint last = 0u;
-        for (uint i = 0u; i < count; ++i) {
+    if (farthest.x == other_key || farthest.x == record.x) {
+        for (uint i = 0u; i < slots.y; ++i) {
             uvec2 key = key_at(slots.x + i);
-            if (key.x == farthest && key.y >= last) {
-                last = key.y;
-                at = i;
+            if (key.x == farthest.x && key.y >= farthest.y) {
+                farthest.y = key.y;
+                place = i;
             }
         }
     }
-    return uvec2(farthest, count | at << CELL_PLACE_SHIFT);
+    return place;
+}
+
+// After a record was stored: the key that a full pixel culls by. One whose last slot was taken just now
+// has not been walked over: it culls nothing yet.
+uint settle(uvec2 slots, bool replaced, uint count, uint place, uvec2 record) {
+    return replaced ? max(other_key, record.x) : STRATA_FAR_KEY;
 }

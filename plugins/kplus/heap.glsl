@@ -7,17 +7,18 @@ layout(std430) EXCLUDED buffer Nodes { STRATA_PAIR nodes[]; };
 uvec2 node_at(uint at) { return STRATA_FROM_PAIR(nodes[at]); }
 void put_node(uint at, uvec2 node) { nodes[at] = STRATA_TO_PAIR(node); }
 
-// The place of the farthest record. The heap compares keys alone; where the root's children have its key,
-// the last in order of all that have it is looked for, and given to the root.
-uint farthest_place(uvec2 slots, uvec2 cell) {
+// The farthest record and its place. The heap compares keys alone; where the root's children have its
+// key, the last in order of all that have it is looked for, and given to the root.
+uint farthest_place(uint pixel, uvec2 slots, uvec2 record, out uvec2 farthest) {
     uvec2 root = node_at(slots.x);
+    farthest = key_at(slots.x + root.y);
     if ((slots.y > 1u && node_at(slots.x + 1u).x == root.x) ||
         (slots.y > 2u && node_at(slots.x + 2u).x == root.x)) {
-        uint last = key_at(slots.x + root.y).y, at = 0u, place = root.y;
+        uint at = 0u, place = root.y;
         for (uint i = 1u; i < slots.y; ++i) {
             uvec2 node = node_at(slots.x + i);
-            if (node.x == root.x && key_at(slots.x + node.y).y > last) {
-                last = key_at(slots.x + node.y).y;
+            if (node.x == root.x && key_at(slots.x + node.y).y > farthest.y) {
+                farthest.y = key_at(slots.x + node.y).y;
                 place = node.y;
                 at = i;
             }
@@ -65,15 +66,13 @@ uint sift_down(uvec2 slots, uvec2 node) {
     return root;
 }
 
-// After a record was stored at `place`: the state of a pixel with `count` of them.
-uvec2 settle(uvec2 slots, uvec2 cell, uint count, uint place, uvec2 record) {
-    if ((cell.y & CELL_ROOMY) != 0u)
-        return uvec2(STRATA_NO_KEY, count | CELL_ROOMY);
+// After a record was stored at `place`: the key of the root.
+uint settle(uvec2 slots, bool replaced, uint count, uint place, uvec2 record) {
     uvec2 node = uvec2(record.x, place);
-    uint root;
-    if (cell.x == STRATA_NO_KEY)
-        root = sift_up(slots, count, node);
+    uint key;
+    if (replaced)
+        key = sift_down(slots, node);
     else
-        root = sift_down(slots, node);
-    return uvec2(count < slots.y ? STRATA_NO_KEY : root, count);
+        key = sift_up(slots, count, node);
+    return key;
 }

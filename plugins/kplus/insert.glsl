@@ -45,19 +45,23 @@ uvec2 key_at(uint slot) { return STRATA_FROM_PAIR(strata_keys[slot]); }
 // farthest key may: its order decides.
 bool culled(uvec2 cell, uvec2 record) { return record.x > cell.x || cell.y == CELL_CLOSED.y; }
 
-void store_record(uint slot, uvec2 record, StrataPayload payload) {
-    strata_keys[slot] = STRATA_TO_PAIR(record);
-    strata_payload_store(slot, payload);
+void store_record(uint pixel, uvec2 slots, uint place, uvec2 record, StrataPayload payload) {
+    strata_keys[slots.x + place] = STRATA_TO_PAIR(record);
+    strata_payload_store(slots.x + place, payload);
+#ifdef TEXELS
+    imageStore(placed_keys, place_texel(pixel, place), uvec4(record.x));
+#endif
 }
 
 // With the pixel excluded: its next state. Slots beyond the count were never written and are never read.
 uvec2 place_record(uint pixel, uvec2 cell, uvec2 record, StrataPayload payload) {
     uvec2 slots = slots_of(pixel);
-    uint count = cell.y & CELL_COUNT, place = count;
-    if (cell.x != STRATA_NO_KEY) {
-        place = farthest_place(slots, cell);
-        if (record.x > cell.x ||
-            (record.x == cell.x && record.y > key_at(slots.x + place).y)) {
+    uint count = cell.y & CELL_COUNT, place = count, roomy = cell.y & CELL_ROOMY;
+    bool full = cell.x != STRATA_NO_KEY;
+    if (full) {
+        uvec2 farthest;
+        place = farthest_place(pixel, slots, record, farthest);
+        if (strata_before(farthest, record)) {
             strata_lose(pixel, payload);
             return cell;
         }
@@ -67,8 +71,11 @@ uvec2 place_record(uint pixel, uvec2 cell, uvec2 record, StrataPayload payload) 
     } else {
         ++count;
     }
-    store_record(slots.x + place, record, payload);
-    return settle(slots, cell, count, place, record);
+    store_record(pixel, slots, place, record, payload);
+    if (roomy != 0u)
+        return uvec2(STRATA_NO_KEY, count | roomy);
+    uint key = settle(slots, full, count, place, record);
+    return uvec2(count < slots.y ? STRATA_NO_KEY : key, count);
 }
 
 // A fragment that culled() has let pass.
@@ -76,7 +83,7 @@ void insert(uint pixel, uvec2 cell, uvec2 record, StrataPayload payload) {
 #ifdef LOCK
     if ((cell.y & CELL_ROOMY) != 0u) { // every fragment has a slot: a place is all it takes
         uint place = atomicAdd(cells[pixel].y, 1u) & CELL_COUNT;
-        store_record(slots_of(pixel).x + place, record, payload);
+        store_record(pixel, slots_of(pixel), place, record, payload);
         return;
     }
     bool waiting = true;

@@ -51,3 +51,21 @@ static const strata_knob begin = {.struct_size = sizeof(strata_knob),
                                   .maximum = K_MOST};
 const strata_knob *const kplus_knobs[KNOB_COUNT] = {
     &k, &structure, &exclusion, &memory, &records_payload_knob, &tries, &begin};
+
+enum { ARRAY_MOST = 32 }; /* a heap wins above */
+
+uint32_t kplus_is_exact(const double *values) {
+    return values[KNOB_K] == 0 || values[KNOB_BEGIN] > 0 || values[KNOB_MEMORY] == MEMORY_EXACT;
+}
+
+/* By the fragments that pixels may keep; where each has a k of its own, most keep few of theirs,
+ * and a heap's nodes would be the larger part of what that spares. */
+uint32_t kplus_is_heap(const double *values, const strata_scene_stats *stats) {
+    const double chosen = values[KNOB_STRUCTURE], half = stats->mean_depth / 2,
+                 most = values[KNOB_BEGIN] > 0 && half < values[KNOB_K] ? half : values[KNOB_K];
+    return chosen == STRUCTURE_AUTO ? most > ARRAY_MOST : chosen == STRUCTURE_HEAP;
+}
+
+uint32_t kplus_has_texels(const double *values, const strata_scene_stats *stats) {
+    return !kplus_is_heap(values, stats) && !kplus_is_exact(values) && values[KNOB_K] <= ARRAY_MOST;
+}

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * kplus: what may be set, and the values of choices.
+ * kplus: what may be set, the values of choices, and what follows from them.
  */
 #ifndef STRATA_KPLUS_KNOBS_H
 #define STRATA_KPLUS_KNOBS_H
 
 #include "strata/strata.h"
 
-enum { K_MOST = 16384 }; /* CELL_PLACE holds it */
+enum { K_MOST = 16384 }; /* CELL_COUNT holds it */
 
 enum {
     KNOB_K,
@@ -32,5 +32,14 @@ typedef enum path { /* of the knob `exclusion` */
 } path;
 
 extern const strata_knob *const kplus_knobs[KNOB_COUNT];
+
+/* Fragments are counted first: ranges are exact. `values` are the knobs', here and below. */
+uint32_t kplus_is_exact(const double *values);
+
+/* Not an array. */
+uint32_t kplus_is_heap(const double *values, const strata_scene_stats *stats);
+
+/* Where `unlocked` writes each key to a texel besides: fixed slots, few enough to be filled. */
+uint32_t kplus_has_texels(const double *values, const strata_scene_stats *stats);
 
 #endif

@@ -25,7 +25,6 @@
 #include <string.h>
 
 enum { FINISH_PIXELS = 16, ORDERED_MOST = 16, ATTACHMENTS_MOST = 8 };
-enum { ARRAY_MOST = 32 }; /* a heap wins above */
 
 typedef struct kplus {
     const strata_host *host;
@@ -37,11 +36,13 @@ typedef struct kplus {
     } params;
     path path, other; /* other: of attempts after the lock failed */
     uint32_t exact, heap;
+    uint32_t texels;            /* 1: the array's keys in `placed` besides */
     uint32_t ordered;           /* 1: the device orders accesses of a pixel without any help */
     uint32_t lock_failed, tied; /* 1: learned in verify() */
     counting counting;
     growth growth;
     strata_buffer ranges, cells, events; /* events: failures of the lock, or ties */
+    strata_image placed;                 /* keys of the array, a layer a place */
     strata_image held[ATTACHMENTS_MOST]; /* keys and orders, two records a texel */
     strata_buffer dropped;               /* where no texel has room to count */
     strata_pool records;
@@ -65,19 +66,6 @@ static strata_result create(void *state, const strata_host *host, const strata_g
 
 static uint32_t has(const kplus *s, const char *fact) {
     return s->gpu->fact(s->gpu->self, fact) != 0;
-}
-
-/* k counts first: ranges are exact. */
-static uint32_t is_exact(const double *values) {
-    return values[KNOB_K] == 0 || values[KNOB_BEGIN] > 0 || values[KNOB_MEMORY] == MEMORY_EXACT;
-}
-
-/* By the fragments that pixels may keep; where each has a k of its own, most keep few of theirs,
- * and a heap's nodes would be the larger part of what that spares. */
-static uint32_t is_heap(const double *values, const strata_scene_stats *stats) {
-    const double structure = values[KNOB_STRUCTURE], half = stats->mean_depth / 2,
-                 most = values[KNOB_BEGIN] > 0 && half < values[KNOB_K] ? half : values[KNOB_K];
-    return structure == STRUCTURE_AUTO ? most > ARRAY_MOST : structure == STRUCTURE_HEAP;
 }
 
 /* Why this device cannot take a path, or NULL. */
@@ -107,8 +95,8 @@ static strata_result choose(kplus *s, const strata_view *view, int grows) {
     s->ordered = has(s, "selftest.ordered_rmw");
     s->params.k = (uint32_t)values[KNOB_K];
     s->params.tries = (uint32_t)values[KNOB_TRIES];
-    s->exact = is_exact(values);
-    s->heap = is_heap(values, view->stats);
+    s->exact = kplus_is_exact(values);
+    s->heap = kplus_is_heap(values, view->stats);
     s->path = (path)values[KNOB_EXCLUSION];
     if (s->path == PATH_ORDERED && grows && s->params.k > ORDERED_MOST)
         s->params.k = ORDERED_MOST; /* the most that a pixel may grow to */
@@ -116,6 +104,7 @@ static strata_result choose(kplus *s, const strata_view *view, int grows) {
     for (size_t i = 0; s->path == PATH_AUTO; ++i)
         if (!refusal(s, preferred[i]))
             s->path = preferred[i];
+    s->texels = s->path == PATH_UNLOCKED && kplus_has_texels(values, view->stats);
     const char *reason = refusal(s, s->path);
     if (s->params.k == 0 || !reason)
         return STRATA_OK;
@@ -179,6 +168,8 @@ static strata_result create_programs(const kplus *s, path p, const source *sourc
             defines[defined++] = "FENCES";
         if (s->heap)
             defines[defined++] = "HEAP";
+        if (s->texels)
+            defines[defined++] = "TEXELS";
         if (p == PATH_ATOMIC64)
             defines[defined++] = "WIDE";
         if (sources[i].variant)
@@ -253,13 +244,27 @@ static strata_result prepare_all(kplus *s) {
                                   &s->store_program);
 }
 
+static strata_result create_cells(kplus *s, const strata_view *view) {
+    strata_result r = create_buffer(s->gpu, "cells",
+                                    (uint64_t)view->band_width * view->band_height * 8, &s->cells);
+    if (r == STRATA_OK && s->texels)
+        r = s->gpu->image_create(s->gpu->self,
+                                 &(strata_image_desc){.struct_size = sizeof(strata_image_desc),
+                                                      .label = "keys by place",
+                                                      .format = STRATA_FORMAT_R32U,
+                                                      .width = view->band_width,
+                                                      .height = view->band_height,
+                                                      .layers = s->params.k},
+                                 &s->placed);
+    return r;
+}
+
 static strata_result prepare_path(kplus *s, const strata_view *view) {
     strata_result r = create_buffer(s->gpu, "events", 4, &s->events);
     if (r == STRATA_OK && s->path == PATH_ORDERED)
         return prepare_ordered(s, view);
     if (r == STRATA_OK && inserts(s->path)) {
-        r = create_buffer(s->gpu, "cells", (uint64_t)view->band_width * view->band_height * 8,
-                          &s->cells);
+        r = create_cells(s, view);
         if (r == STRATA_OK)
             r = prepare_insertion(s);
     }
@@ -383,6 +388,8 @@ static void record_insertion(const kplus *s, const strata_frame *frame) {
             (uint64_t)frame->band_width * frame->band_height, !s->exact);
     b = begin_binds(s, 0);
     binds_buffer(&b, "Cells", s->cells);
+    if (s->texels)
+        binds_image(&b, "placed_keys", s->placed);
     if (s->path == PATH_LOCK)
         binds_buffer(&b, "Failures", s->events);
     draw_counted(s, frame, "store", s->store_program, &b, !s->exact || s->path == PATH_LOCK);
@@ -502,9 +509,10 @@ static strata_result estimate(const strata_scene_stats *stats, const strata_sett
                               strata_cost *cost) {
     const double k = settings->values[KNOB_K];
     const double begin = settings->values[KNOB_BEGIN], least = begin > 0 && begin < k ? begin : k;
-    const uint32_t exact = is_exact(settings->values);
+    const uint32_t exact = kplus_is_exact(settings->values);
     const uint64_t record = 8 + records_payload_bytes[(int)settings->values[KNOB_PAYLOAD]] +
-                            (is_heap(settings->values, stats) ? 8 : 0);
+                            (kplus_is_heap(settings->values, stats) ? 8 : 0) +
+                            (kplus_has_texels(settings->values, stats) ? 4 : 0);
     const double share = k > 0 && stats->mean_depth > least ? least / stats->mean_depth : 1;
     cost->bytes_per_pixel = exact ? (begin > 0 ? 24 : 20) : 20 + (uint64_t)k * record;
     cost->bytes_per_fragment = exact ? (uint64_t)(share * (double)record + 1) : 0;
@@ -532,7 +540,8 @@ static const strata_promises promises = {
     .determinism = STRATA_DETERMINISM_BIT,
     .memory = "fixed: (20 + k record) pixels; exact: 20 pixels + record min(fragments, k each); "
               "begin: exact, 24 pixels, each its own k; "
-              "record: 8 + payload, heap 16 + payload; payload: unorm8 4, half 8, float 16"};
+              "record: 8 + payload, heap 16 + payload, array unlocked in fixed memory up to k = 32 "
+              "12 + payload; payload: unorm8 4, half 8, float 16"};
 
 static const strata_cost_model cost = {.struct_size = sizeof(strata_cost_model),
                                        .frame = 20000,
