@@ -223,6 +223,8 @@ static strata_result verify_techniques(render_session *session, frame_part part,
             strata_result r = gpu_pool_needed(g, t->pools[p], &needed, err);
             if (r != STRATA_OK)
                 return r;
+            if (needed > short_of[i].used[p])
+                short_of[i].used[p] = needed;
             if (needed > gpu_pool_capacity(g, t->pools[p]) && needed > short_of[i].needed[p]) {
                 short_of[i].needed[p] = needed;
                 *again = 1;

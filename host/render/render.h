@@ -85,7 +85,8 @@ typedef struct render_technique {
 /* Pools of one technique that were too small: the most that a band asked for, 0 where it was room
  * enough. */
 typedef struct render_shortage {
-    uint64_t needed[RENDER_MAX_POOLS];
+    uint64_t needed[RENDER_MAX_POOLS]; /* of pools that were too small */
+    uint64_t used[RENDER_MAX_POOLS];   /* of all */
 } render_shortage;
 
 #define RENDER_REPORT_BEFORE 1u /* bit of render_report.known */
@@ -109,6 +110,7 @@ typedef struct render_session {
     uint32_t shuffle;
     uint32_t certify; /* how wrong the image may be is asked for */
     double tolerance; /* the most that is accepted; 0: none was given */
+    uint32_t moving;  /* pools that had been large enough overflowed */
     uint32_t careful; /* submit after each technique, to learn which one loses the device */
     plan *plan;
     char *plan_text; /* its JSON, compared to see whether it changed */

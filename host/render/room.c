@@ -8,16 +8,16 @@
 #define POOL_STEP  256u   /* elements that capacities are rounded up to */
 #define SMALL_POOL 65536u /* bytes */
 
-/* First exactly what is needed. A pool that overflows again belongs to a moving scene: it gets a
- * sixteenth more than it needs, then an eighth, then a quarter. Small pools (the odd pixels of a
- * frame) vary most and cost least, so they double. */
-static uint64_t grown(const render_technique *t, uint32_t pool, uint64_t needed) {
-    const uint32_t times = t->pool_grown[pool];
+/* First exactly what is needed, twice that for small pools (the odd pixels of a frame), which vary
+ * most and cost least. In a moving scene there is a reserve: a quarter, of small pools three times
+ * what is needed. */
+static uint64_t with_reserve(const render_technique *t, uint32_t pool, uint64_t needed) {
+    const uint32_t moving = t->session->moving;
     const uint64_t bytes = needed * gpu_pool_element_bytes(t->session->owner->gpu, t->pools[pool]);
-    if (bytes < (times ? SMALL_POOL * 16 : SMALL_POOL))
-        needed *= 2;
-    else if (times > 0)
-        needed += needed >> (times < 3 ? 5 - times : 2);
+    if (bytes < (moving ? SMALL_POOL * 16 : SMALL_POOL))
+        needed *= moving ? 4 : 2;
+    else if (moving)
+        needed += needed / 4;
     return (needed + POOL_STEP - 1) / POOL_STEP * POOL_STEP;
 }
 
@@ -62,7 +62,7 @@ static strata_result grow(render_session *session, render_technique *t, uint32_t
     if (needed > most)
         return split(session, most ? needed / most + 1 : 2,
                      "the fragments exceed the memory or storage range allowed", err);
-    uint64_t capacity = grown(t, pool, needed);
+    uint64_t capacity = with_reserve(t, pool, needed);
     capacity = capacity < most ? capacity : most;
     strata_result r = gpu_pool_grow(g, t->pools[pool], capacity, &failure);
     if (r == STRATA_ERROR_OUT_OF_DEVICE_MEMORY)
@@ -76,14 +76,37 @@ static strata_result grow(render_session *session, render_technique *t, uint32_t
     return STRATA_OK;
 }
 
+/* A pool that overflows again belongs to a moving scene. */
+static uint32_t overflows_again(const render_session *session, const render_shortage *short_of) {
+    for (uint32_t i = 0; i < session->technique_count; ++i)
+        for (uint32_t p = 0; p < session->techniques[i].pool_count; ++p)
+            if (short_of[i].needed[p] && session->techniques[i].pool_grown[p] > 0)
+                return 1;
+    return 0;
+}
+
+/* Whether a pool that sufficed soon will not. */
+static int is_close(const render_technique *t, uint32_t pool, uint64_t used) {
+    const render_session *session = t->session;
+    return session->moving &&
+           used + used / 16 > gpu_pool_capacity(session->owner->gpu, t->pools[pool]) &&
+           with_reserve(t, pool, used) <= room(session, t->pools[pool]);
+}
+
+/* In a moving scene all pools get their reserve at once, where there is room for it: each would
+ * cost a recording of its own. */
 strata_result render_make_room(render_session *session, const render_shortage *short_of,
                                base_error *err) {
     const uint32_t bands = session->band_count;
     strata_result r = STRATA_OK;
-    for (uint32_t i = 0; i < session->technique_count && r == STRATA_OK; ++i)
-        for (uint32_t p = 0; p < session->techniques[i].pool_count && r == STRATA_OK; ++p)
-            if (short_of[i].needed[p] && session->band_count == bands)
-                r = grow(session, &session->techniques[i], p, short_of[i].needed[p], err);
+    session->moving |= overflows_again(session, short_of);
+    for (uint32_t i = 0; i < session->technique_count && r == STRATA_OK; ++i) {
+        render_technique *t = &session->techniques[i];
+        for (uint32_t p = 0; p < t->pool_count && r == STRATA_OK; ++p)
+            if (session->band_count == bands &&
+                (short_of[i].needed[p] || is_close(t, p, short_of[i].used[p])))
+                r = grow(session, t, p, short_of[i].used[p], err);
+    }
     return r;
 }
 

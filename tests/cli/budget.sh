@@ -69,6 +69,16 @@ done
 [ "$status" -eq 0 ] && [ $doubted = 1 ] && [ $wrong = 0 ]
 verdict 'a frame that was recorded again is not judged, unless the next one is, too'
 
+run render scene:soup --size 160x120 -o soup.exr --repeat 16 --use abuffer,ppc --set frame.turn=1 \
+    --account soup.json
+i=1 again=0
+while [ $i -lt 16 ]; do
+    [ "$(get soup.json frames/$i/retries)" = 0 ] || again=$((again + 1))
+    i=$((i + 1))
+done
+[ "$status" -eq 0 ] && [ $again -le 3 ]
+verdict "what moves has a reserve: $again of 15 frames are recorded again"
+
 run plan $scene $size --json
 cp out before.json
 run render $scene $size -o x.png --repeat 3 --learn
