@@ -13,6 +13,7 @@
 #define RECENT       4u  /* frames that a mean goes back */
 #define AT_ONCE      1.5 /* times the budget: one frame is enough to see that it is missed */
 #define MOST_REPLANS 8u  /* in a sequence: each costs a frame that prepares */
+#define MUCH         0.8 /* of what was kept: less was not what was expected to fit */
 #define TRUSTS       3u  /* so many of them where what was expected to fit does not */
 
 void render_budget_end(strata *s) {
@@ -93,8 +94,9 @@ static strata_result judge_turned(strata *s, double ms, base_error *err) {
     render_budget *b = &s->budget;
     const double before = b->rule.level;
     if (budget_measure(&b->rule, ms)) {
-        /* Something else may now be expected to give up less than what is turned. */
-        if (b->rule.level < before && b->replans < TRUSTS)
+        /* Something else may now be expected to give up less, where much is. A frame that prepares
+         * is too much for the little by which a scene drifts. */
+        if (b->rule.level < MUCH * before && b->replans < TRUSTS)
             return plan_again(s, err);
         forget(b);
         return render_session_turn(s->session, b->rule.level, err);

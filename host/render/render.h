@@ -110,7 +110,6 @@ typedef struct render_session {
     uint32_t shuffle;
     uint32_t certify; /* how wrong the image may be is asked for */
     double tolerance; /* the most that is accepted; 0: none was given */
-    uint32_t moving;  /* pools that had been large enough overflowed */
     uint32_t careful; /* submit after each technique, to learn which one loses the device */
     plan *plan;
     char *plan_text; /* its JSON, compared to see whether it changed */
@@ -186,6 +185,7 @@ typedef struct render_start {
     const scene *scene; /* NULL: none began */
     scene_box bounds;
     scene_view view; /* for the key light */
+    uint32_t moving; /* 1: pools that had been large enough overflowed */
 } render_start;
 
 /* What the last render did, for the account and the outputs. */

@@ -12,7 +12,7 @@
  * most and cost least. In a moving scene there is a reserve: a quarter, of small pools three times
  * what is needed. */
 static uint64_t with_reserve(const render_technique *t, uint32_t pool, uint64_t needed) {
-    const uint32_t moving = t->session->moving;
+    const uint32_t moving = t->session->owner->start.moving;
     const uint64_t bytes = needed * gpu_pool_element_bytes(t->session->owner->gpu, t->pools[pool]);
     if (bytes < (moving ? SMALL_POOL * 16 : SMALL_POOL))
         needed *= moving ? 4 : 2;
@@ -88,7 +88,7 @@ static uint32_t overflows_again(const render_session *session, const render_shor
 /* Whether a pool that sufficed soon will not. */
 static int is_close(const render_technique *t, uint32_t pool, uint64_t used) {
     const render_session *session = t->session;
-    return session->moving &&
+    return session->owner->start.moving &&
            used + used / 16 > gpu_pool_capacity(session->owner->gpu, t->pools[pool]) &&
            with_reserve(t, pool, used) <= room(session, t->pools[pool]);
 }
@@ -99,7 +99,7 @@ strata_result render_make_room(render_session *session, const render_shortage *s
                                base_error *err) {
     const uint32_t bands = session->band_count;
     strata_result r = STRATA_OK;
-    session->moving |= overflows_again(session, short_of);
+    session->owner->start.moving |= overflows_again(session, short_of);
     for (uint32_t i = 0; i < session->technique_count && r == STRATA_OK; ++i) {
         render_technique *t = &session->techniques[i];
         for (uint32_t p = 0; p < t->pool_count && r == STRATA_OK; ++p)
