@@ -211,7 +211,7 @@ static strata_result record_techniques(render_session *session, frame_part part,
 /* The techniques of one part of the frame, before the next gpu_begin makes their pools' counters
  * void. */
 static strata_result verify_techniques(render_session *session, frame_part part, uint32_t band,
-                                       render_shortage *short_of, int *again, const char **failed,
+                                       render_needs *needs, int *again, const char **failed,
                                        base_error *err) {
     gpu *g = session->owner->gpu;
     for (uint32_t i = 0; i < session->technique_count; ++i) {
@@ -223,12 +223,10 @@ static strata_result verify_techniques(render_session *session, frame_part part,
             strata_result r = gpu_pool_needed(g, t->pools[p], &needed, err);
             if (r != STRATA_OK)
                 return r;
-            if (needed > short_of[i].used[p])
-                short_of[i].used[p] = needed;
-            if (needed > gpu_pool_capacity(g, t->pools[p]) && needed > short_of[i].needed[p]) {
-                short_of[i].needed[p] = needed;
+            if (needed > needs[i].needed[p])
+                needs[i].needed[p] = needed;
+            if (needed > gpu_pool_capacity(g, t->pools[p]))
                 *again = 1;
-            }
         }
         if (!t->technique->verify)
             continue;
@@ -251,7 +249,7 @@ static strata_result verify_techniques(render_session *session, frame_part part,
 }
 
 static strata_result record_opaque(render_session *session, const scene_view *view,
-                                   const strata_render_options *options, render_shortage *short_of,
+                                   const strata_render_options *options, render_needs *needs,
                                    int *again, const char **failed, base_error *err) {
     gpu *g = session->owner->gpu;
     const render_rect whole = {0, 0, session->width, session->height};
@@ -265,13 +263,13 @@ static strata_result record_opaque(render_session *session, const scene_view *vi
     render_bound_begin(session);
     r = record_techniques(session, PART_OPAQUE, 0, failed, err);
     if (r == STRATA_OK)
-        r = verify_techniques(session, PART_OPAQUE, 0, short_of, again, failed, err);
+        r = verify_techniques(session, PART_OPAQUE, 0, needs, again, failed, err);
     return r == STRATA_OK ? render_account_passes(session->owner, err) : r;
 }
 
 /* Sub-pixels to pixels, once all bands are folded. */
 static strata_result record_filter(render_session *session, const scene_view *view,
-                                   const strata_render_options *options, render_shortage *short_of,
+                                   const strata_render_options *options, render_needs *needs,
                                    int *again, const char **failed, base_error *err) {
     const render_rect whole = {0, 0, session->width, session->height};
     if (session->samples == 1)
@@ -282,12 +280,12 @@ static strata_result record_filter(render_session *session, const scene_view *vi
     gpu_begin(session->owner->gpu, session->width, session->height);
     r = record_techniques(session, PART_FILTER, 0, failed, err);
     if (r == STRATA_OK)
-        r = verify_techniques(session, PART_FILTER, 0, short_of, again, failed, err);
+        r = verify_techniques(session, PART_FILTER, 0, needs, again, failed, err);
     return r == STRATA_OK ? render_account_passes(session->owner, err) : r;
 }
 
 static strata_result record_bands(render_session *session, const scene_view *view,
-                                  const strata_render_options *options, render_shortage *short_of,
+                                  const strata_render_options *options, render_needs *needs,
                                   int *again, const char **failed, base_error *err) {
     gpu *g = session->owner->gpu;
     strata *s = session->owner;
@@ -301,7 +299,7 @@ static strata_result record_bands(render_session *session, const scene_view *vie
         render_bound_begin_band(session);
         r = record_techniques(session, PART_BAND, band, failed, err);
         if (r == STRATA_OK)
-            r = verify_techniques(session, PART_BAND, band, short_of, again, failed, err);
+            r = verify_techniques(session, PART_BAND, band, needs, again, failed, err);
         if (r == STRATA_OK)
             r = render_account_passes(s, err);
         if (r == STRATA_OK && (options->outputs & STRATA_OUTPUT_DEEP) && !*again)
@@ -318,11 +316,11 @@ static strata_result record_bands(render_session *session, const scene_view *vie
 strata_result render_frame(render_session *session, const scene_view *view,
                            const strata_render_options *options, const char **failed,
                            base_error *err) {
-    render_shortage *short_of = base_calloc(session->technique_count + 1, sizeof *short_of);
-    strata_result r = short_of ? STRATA_OK : STRATA_ERROR_OUT_OF_HOST_MEMORY;
+    render_needs *needs = base_calloc(session->technique_count + 1, sizeof *needs);
+    strata_result r = needs ? STRATA_OK : STRATA_ERROR_OUT_OF_HOST_MEMORY;
     int again = 1;
     *failed = NULL;
-    if (!short_of)
+    if (!needs)
         return base_fail(err, r, "frame: out of memory");
     for (session->attempt = 0; again && r == STRATA_OK; session->attempt++) {
         if (session->attempt == MAX_ATTEMPTS) {
@@ -331,25 +329,25 @@ strata_result render_frame(render_session *session, const scene_view *view,
             break;
         }
         again = 0;
-        memset(short_of, 0, (session->technique_count + 1) * sizeof *short_of);
+        memset(needs, 0, (session->technique_count + 1) * sizeof *needs);
         session->report = (render_report){0};
         session->owner->result.pass_count = 0;
         r = render_prepare_in_room(session, &again, failed, err);
         if (again)
             continue;
         if (r == STRATA_OK)
-            r = record_opaque(session, view, options, short_of, &again, failed, err);
+            r = record_opaque(session, view, options, needs, &again, failed, err);
         if (r == STRATA_OK && (options->outputs & STRATA_OUTPUT_DEEP))
             r = render_deep_begin(session, err);
         if (r == STRATA_OK)
-            r = record_bands(session, view, options, short_of, &again, failed, err);
+            r = record_bands(session, view, options, needs, &again, failed, err);
         if (r == STRATA_OK && !again)
-            r = record_filter(session, view, options, short_of, &again, failed, err);
+            r = record_filter(session, view, options, needs, &again, failed, err);
         if (r == STRATA_OK && again)
-            r = render_make_room(session, short_of, err);
+            r = render_make_room(session, needs, err);
         session->owner->result.retries += again ? 1u : 0u;
     }
     session->frame_index++;
-    free(short_of);
+    free(needs);
     return r;
 }

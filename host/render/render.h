@@ -82,12 +82,10 @@ typedef struct render_technique {
     base_error error;
 } render_technique;
 
-/* Pools of one technique that were too small: the most that a band asked for, 0 where it was room
- * enough. */
-typedef struct render_shortage {
-    uint64_t needed[RENDER_MAX_POOLS]; /* of pools that were too small */
-    uint64_t used[RENDER_MAX_POOLS];   /* of all */
-} render_shortage;
+/* What the pools of one technique needed: the most that a band asked for. */
+typedef struct render_needs {
+    uint64_t needed[RENDER_MAX_POOLS];
+} render_needs;
 
 #define RENDER_REPORT_BEFORE 1u /* bit of render_report.known */
 typedef struct render_report {
@@ -329,9 +327,8 @@ const void *render_extension(const gpu *g, const char *id);
 /* render_session_prepare; *again = 1: it did not fit and the frame was split, prepare again. */
 strata_result render_prepare_in_room(render_session *session, int *again, const char **failed,
                                      base_error *err);
-/* Grows what was short, short_of[technique]; or splits the frame. */
-strata_result render_make_room(render_session *session, const render_shortage *short_of,
-                               base_error *err);
+/* Grows what was short, needs[technique]; or splits the frame. */
+strata_result render_make_room(render_session *session, const render_needs *needs, base_error *err);
 
 /* ---- effects.c ------------------------------------------------------------------------------- */
 /* Hands the generated effect header and the effects' sources to the device. */

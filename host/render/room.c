@@ -76,36 +76,42 @@ static strata_result grow(render_session *session, render_technique *t, uint32_t
     return STRATA_OK;
 }
 
+static int is_short(const render_technique *t, uint32_t pool, uint64_t needed) {
+    return needed > gpu_pool_capacity(t->session->owner->gpu, t->pools[pool]);
+}
+
 /* A pool that overflows again belongs to a moving scene. */
-static uint32_t overflows_again(const render_session *session, const render_shortage *short_of) {
-    for (uint32_t i = 0; i < session->technique_count; ++i)
-        for (uint32_t p = 0; p < session->techniques[i].pool_count; ++p)
-            if (short_of[i].needed[p] && session->techniques[i].pool_grown[p] > 0)
+static uint32_t overflows_again(const render_session *session, const render_needs *needs) {
+    for (uint32_t i = 0; i < session->technique_count; ++i) {
+        const render_technique *t = &session->techniques[i];
+        for (uint32_t p = 0; p < t->pool_count; ++p)
+            if (is_short(t, p, needs[i].needed[p]) && t->pool_grown[p] > 0)
                 return 1;
+    }
     return 0;
 }
 
 /* Whether a pool that sufficed soon will not. */
-static int is_close(const render_technique *t, uint32_t pool, uint64_t used) {
+static int is_close(const render_technique *t, uint32_t pool, uint64_t needed) {
     const render_session *session = t->session;
-    return session->owner->start.moving &&
-           used + used / 16 > gpu_pool_capacity(session->owner->gpu, t->pools[pool]) &&
-           with_reserve(t, pool, used) <= room(session, t->pools[pool]);
+    return session->owner->start.moving && is_short(t, pool, needed + needed / 16) &&
+           with_reserve(t, pool, needed) <= room(session, t->pools[pool]);
 }
 
 /* In a moving scene all pools get their reserve at once, where there is room for it: each would
  * cost a recording of its own. */
-strata_result render_make_room(render_session *session, const render_shortage *short_of,
+strata_result render_make_room(render_session *session, const render_needs *needs,
                                base_error *err) {
     const uint32_t bands = session->band_count;
     strata_result r = STRATA_OK;
-    session->owner->start.moving |= overflows_again(session, short_of);
+    session->owner->start.moving |= overflows_again(session, needs);
     for (uint32_t i = 0; i < session->technique_count && r == STRATA_OK; ++i) {
         render_technique *t = &session->techniques[i];
-        for (uint32_t p = 0; p < t->pool_count && r == STRATA_OK; ++p)
-            if (session->band_count == bands &&
-                (short_of[i].needed[p] || is_close(t, p, short_of[i].used[p])))
-                r = grow(session, t, p, short_of[i].used[p], err);
+        for (uint32_t p = 0; p < t->pool_count && r == STRATA_OK; ++p) {
+            const uint64_t needed = needs[i].needed[p];
+            if (session->band_count == bands && (is_short(t, p, needed) || is_close(t, p, needed)))
+                r = grow(session, t, p, needed, err);
+        }
     }
     return r;
 }
