@@ -42,13 +42,12 @@ uint far_edge(Division d, uint bucket) {
 uvec2 tile_count() { return (strata_frame_size.xy + TILE - 1u) / TILE; }
 
 #ifdef OCCUPANCY_DIVIDES // the one pass that writes them
-layout(std430) writeonly buffer Tiles { uvec4 tiles[]; };
+layout(rgba32ui) uniform writeonly uimage2D tiles;
 #else
-layout(std430) readonly buffer Tiles { uvec4 tiles[]; };
+uniform usampler2D tiles;
 
 Division division_at(uvec2 position) {
-    uvec2 tile = position / TILE;
-    uvec4 t = tiles[tile.y * tile_count().x + tile.x];
+    uvec4 t = texelFetch(tiles, ivec2(position / TILE), 0);
     return Division(t.x, t.y, t.z, t.w);
 }
 #endif

@@ -27,8 +27,8 @@ typedef struct occupancy {
     const strata_gpu *gpu;
     uint32_t nearest, certify, words, tiles_x, tiles_y;
     strata_draws draws;
-    strata_image depth, range, count, limit;
-    strata_buffer tiles, mask, totals;
+    strata_image depth, range, tiles, count, limit;
+    strata_buffer mask, totals;
     strata_program range_program, tiles_program, mask_program, limit_program, sums_program,
         lost_program; /* lost_program: where a certificate is asked for */
 } occupancy;
@@ -78,7 +78,7 @@ static strata_result create_storage(occupancy *o, const strata_view *view) {
     if (r == STRATA_OK)
         r = create_image(o->gpu, "limit/1", STRATA_FORMAT_D32F, 0, 0, &o->limit);
     if (r == STRATA_OK)
-        r = create_buffer(o->gpu, "tiles", (uint64_t)o->tiles_x * o->tiles_y * 16, &o->tiles);
+        r = create_image(o->gpu, "tiles", STRATA_FORMAT_RGBA32U, o->tiles_x, o->tiles_y, &o->tiles);
     if (r == STRATA_OK)
         r = create_buffer(o->gpu, "mask", pixels * o->words * 4, &o->mask);
     if (r == STRATA_OK)
@@ -122,7 +122,7 @@ static strata_result prepare(void *state, const strata_view *view) {
 static void record_tiles(const occupancy *o, const strata_frame *frame) {
     const strata_bind bound[] = {bind_image("range_image", o->range),
                                  bind_image("depth_image", o->depth),
-                                 bind_buffer("Tiles", o->tiles)};
+                                 bind_image("tiles", o->tiles)};
     strata_pass tiles = {.struct_size = sizeof tiles,
                          .label = "tiles",
                          .program = o->tiles_program,
@@ -146,7 +146,7 @@ static void record_tiles(const occupancy *o, const strata_frame *frame) {
 }
 
 static void record_mask(const occupancy *o, const strata_frame *frame) {
-    const strata_bind bound[] = {bind_buffer("Tiles", o->tiles), bind_buffer("Mask", o->mask)};
+    const strata_bind bound[] = {bind_image("tiles", o->tiles), bind_buffer("Mask", o->mask)};
     frame->fill(frame->self, o->mask, 0, 0, 0);
     frame->pass(
         frame->self,
@@ -168,7 +168,7 @@ static void record_mask(const occupancy *o, const strata_frame *frame) {
 
 static void record_limit(const occupancy *o, const strata_frame *frame) {
     const strata_bind bound[] = {bind_image("depth_image", o->depth),
-                                 bind_buffer("Tiles", o->tiles), bind_buffer("Mask", o->mask)};
+                                 bind_image("tiles", o->tiles), bind_buffer("Mask", o->mask)};
     frame->pass(
         frame->self,
         &(strata_pass){.struct_size = sizeof(strata_pass),

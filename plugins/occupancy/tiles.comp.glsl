@@ -38,5 +38,5 @@ void main() {
     uint far = min(hit ? strata_key(-range.y) : STRATA_FAR_KEY, strata_key(farthest_opaque(tile)));
     uint near = min(hit ? strata_key(range.x) : 0u, far);
     Division d = divide(near, far);
-    tiles[item] = uvec4(d.near, d.far, d.shift, d.multiplier);
+    imageStore(tiles, ivec2(tile), uvec4(d.near, d.far, d.shift, d.multiplier));
 }
