@@ -5,6 +5,7 @@
 #include "plan/budget.h"
 
 #include <math.h>
+#include <string.h>
 
 #define LOW 0.9 /* of the target: from there to BUDGET_NEAR a level stays */
 
@@ -14,7 +15,6 @@
 #define AIM     0.98 /* of the target: it shall be met, not missed by a little */
 #define LARGEST 4.0  /* factor between two levels */
 #define OTHER   1.5  /* factor between the times of two scenes */
-#define RECENT  4u   /* frames that a mean goes back */
 
 budget_rule budget_begin(double target, double minimum, double maximum, double level) {
     return (budget_rule){.target = target,
@@ -71,7 +71,7 @@ static int stays(const budget_rule *r) {
 }
 
 int budget_measure(budget_rule *r, double ms) {
-    r->frames += r->frames < RECENT;
+    r->frames += r->frames < BUDGET_RECENT;
     r->ms += (ms - r->ms) / r->frames;
     if (r->settled_ms > 0.0) {
         if (stays(r))
@@ -96,4 +96,85 @@ int budget_measure(budget_rule *r, double ms) {
     r->frames = 0;
     r->ms = 0.0;
     return 1;
+}
+
+/* ---- plans ----------------------------------------------------------------------------------- */
+
+#define MOST_REPLANS 8u  /* in a sequence: each costs a frame that prepares */
+#define MUCH         0.8 /* of what was kept: less was not what was expected to fit */
+#define TRUSTS       3u  /* so many of them where what was expected to fit does not */
+
+static void forget(budget_watch *w) {
+    w->judged = 0; /* ms stays until there is another */
+    w->stuck = 0;
+}
+
+void budget_planned(budget_watch *w, const budget_rule *rule) {
+    forget(w);
+    w->turns = rule != NULL;
+    if (rule)
+        w->rule = *rule;
+}
+
+void budget_take(budget_watch *w, double ms) {
+    memmove(w->recent + 1, w->recent, (BUDGET_RECENT - 1) * sizeof *w->recent);
+    w->recent[0] = ms;
+    w->judged += w->judged < BUDGET_RECENT;
+    w->ms += (ms - w->ms) / w->judged;
+}
+
+static budget_step replan(budget_watch *w) {
+    if (w->replans == MOST_REPLANS)
+        return BUDGET_STAYS;
+    w->replans++;
+    return BUDGET_REPLANS;
+}
+
+/* The second fastest of the recent frames: what disturbs a frame makes it slower, never faster. */
+static double lasting(const budget_watch *w) {
+    double least = HUGE_VAL, second = HUGE_VAL;
+    for (uint32_t i = 0; i < w->judged; i++) {
+        second = fmin(second, fmax(least, w->recent[i]));
+        least = fmin(least, w->recent[i]);
+    }
+    return w->judged > 1 ? second : least;
+}
+
+/* The fewer frames there are the less is believed: the first ones of a plan are slower than those
+ * to come, by a quarter at times. */
+static int is_late(const budget_watch *w) {
+    static const double times[BUDGET_RECENT] = {1.5, 1.3, 1.3, BUDGET_MET};
+    return lasting(w) > times[w->judged - 1] * w->asked;
+}
+
+static budget_step follow_fixed(budget_watch *w, uint32_t payload) {
+    if ((w->late >> payload & 1u) || !is_late(w))
+        return BUDGET_STAYS;
+    w->late |= 1u << payload;
+    return replan(w);
+}
+
+static budget_step follow_turned(budget_watch *w) {
+    const budget_rule *rule = &w->rule;
+    const double before = rule->level;
+    if (budget_measure(&w->rule, w->recent[0])) {
+        /* Something else may now be expected to give up less, where much is. A frame that prepares
+         * is too much for the little by which a scene drifts. */
+        if (rule->level < MUCH * before && w->replans < TRUSTS)
+            return replan(w);
+        forget(w);
+        return BUDGET_TURNS;
+    }
+    w->stuck = rule->level <= rule->minimum && w->ms > BUDGET_MET * w->asked;
+    if (w->stuck)
+        return replan(w); /* with others there may be room for more */
+    if (rule->level >= rule->maximum && w->ms <= w->asked && !w->late && !w->retried) {
+        w->retried = 1; /* there is nothing more to keep: exact ways may be as fast */
+        return replan(w);
+    }
+    return BUDGET_STAYS;
+}
+
+budget_step budget_follow(budget_watch *w, uint32_t payload) {
+    return w->turns ? follow_turned(w) : follow_fixed(w, payload);
 }

@@ -1,18 +1,21 @@
 /* SPDX-License-Identifier: MIT
  *
- * The feedback rule of a time budget: what one knob is set to next, by how long the frames took. A
- * pure function of what it was told. Callahan et al. (SIBGRAPI 2005 course): next = previous *
- * target time / render time, a straight line through the origin; here the line goes through the
- * last two settings that were measured, once there are two, and stays between what fits and what
- * does not.
+ * What follows from how long frames took that have a budget of time. Pure functions of what they
+ * were told.
+ *
+ * The feedback rule: what one knob is set to next. Callahan et al. (SIBGRAPI 2005 course): next =
+ * previous * target time / render time, a straight line through the origin; here the line goes
+ * through the last two settings that were measured, once there are two, and stays between what fits
+ * and what does not.
  */
 #ifndef STRATA_HOST_BUDGET_H
 #define STRATA_HOST_BUDGET_H
 
 #include <stdint.h>
 
-#define BUDGET_MET  1.15 /* of the target: met */
-#define BUDGET_NEAR 1.1  /* of the target: not worth a change */
+#define BUDGET_MET    1.15 /* of the target: met */
+#define BUDGET_NEAR   1.1  /* of the target: not worth a change */
+#define BUDGET_RECENT 4u   /* frames that judgements go back */
 
 typedef struct budget_rule {
     double target;           /* ms */
@@ -30,5 +33,33 @@ budget_rule budget_begin(double target, double minimum, double maximum, double l
 
 /* Takes the time of a frame at rule->level. 1: level has changed. */
 int budget_measure(budget_rule *rule, double ms);
+
+/* The plans of a sequence: one that keeps all and takes too long is given up for one that turns a
+ * knob, and that one where much would have to be given, or there is room for all again. */
+typedef struct budget_watch {
+    double asked;                 /* ms; 0: none */
+    double ms;                    /* mean of the recent frames with one plan and knob */
+    double recent[BUDGET_RECENT]; /* their times; the last in [0] */
+    uint32_t judged;              /* of them, since then, at most BUDGET_RECENT */
+    uint32_t late;    /* bit i: frames that keep all at STRATA_PAYLOAD_ i take too long */
+    uint32_t replans; /* asked for */
+    uint32_t retried; /* 1: exactness was weighed again, at the most that the knob takes */
+    uint32_t stuck;   /* 1: the least was set and takes too long */
+    uint32_t turns;   /* 1: the plan turns a knob, by `rule` */
+    budget_rule rule;
+} budget_watch;
+
+typedef enum budget_step {
+    BUDGET_STAYS,
+    BUDGET_TURNS,  /* to watch->rule.level */
+    BUDGET_REPLANS /* the next frame wants another plan */
+} budget_step;
+
+/* The frames to come have another plan; rule is copied, NULL: it turns nothing. */
+void budget_planned(budget_watch *watch, const budget_rule *rule);
+/* Takes the time of a frame that says something. */
+void budget_take(budget_watch *watch, double ms);
+/* What follows from the frame that was taken last, with records of that STRATA_PAYLOAD_*. */
+budget_step budget_follow(budget_watch *watch, uint32_t payload);
 
 #endif

@@ -98,7 +98,7 @@ strata_result render_plan(strata *s, scene *sc, const strata_render_options *opt
                           const scene_view *view, plan **out, base_error *err) {
     demand wants;
     strata_scene_stats stats = {.struct_size = sizeof stats};
-    const int follows = s->start.scene == sc && s->budget.asked == options->budget;
+    const int follows = s->start.scene == sc && s->budget.watch.asked == options->budget;
     const int learnt = follows && s->budget.costs.count > 0;
     plan_input input = {.demand = &wants,
                         .stats = &stats,
@@ -121,7 +121,7 @@ strata_result render_plan(strata *s, scene *sc, const strata_render_options *opt
                         .budget = options->budget,
                         .beside = follows ? s->budget.beside : 0,
                         .ns = follows ? s->budget.ns : 0,
-                        .late = follows ? s->budget.late : 0};
+                        .late = follows ? s->budget.watch.late : 0};
     const modules_note **notes = NULL;
     strata_result r = render_modules(s, err);
     if (r == STRATA_OK)

@@ -408,7 +408,7 @@ strata_result strata_render(strata *s, strata_scene *sc, const strata_render_opt
     if (!s->result.frames || !s->result.scene_path)
         return base_fail(&s->error, STRATA_ERROR_OUT_OF_HOST_MEMORY, "out of memory");
     options.continues = options.continues && s->start.scene == sc->scene;
-    if (!options.continues || options.budget != s->budget.asked)
+    if (!options.continues || options.budget != s->budget.watch.asked)
         render_budget_begin(s, options.budget);
     if (render_continues(s, &options))
         s->raise = s->session->raise;

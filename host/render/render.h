@@ -222,19 +222,12 @@ typedef struct render_budget_frame {
 
 /* Of a sequence: what was learnt, and what happens next. */
 typedef struct render_budget {
-    double asked;    /* ms; 0: none */
-    costs costs;     /* what the device's are, and what the frames add to them */
-    double beside;   /* ms of a frame that are not its passes' */
-    double ns;       /* of a blended fragment, where passes are not timed; 0: unknown */
-    double ms;       /* mean of the last frames that were judged, with one plan and knob */
-    uint32_t judged; /* of them; what they say of `late` wants two */
-    uint32_t late;   /* see plan_input: frames that keep all were judged, and take too long */
-    uint32_t replan; /* 1: the next frame wants another plan */
-    uint32_t replans;
-    uint32_t retried;   /* 1: exactness was weighed again, at the most that the knob takes */
-    uint32_t stuck;     /* 1: the least was set and takes too long */
-    int recorded_again; /* the last frame was */
-    budget_rule rule;
+    budget_watch watch;
+    costs costs;                 /* what the device's are, and what the frames add to them */
+    double beside;               /* ms of a frame that are not its passes' */
+    double ns;                   /* of a blended fragment, where passes are not timed; 0: unknown */
+    uint32_t replan;             /* 1: the next frame wants another plan */
+    int recorded_again;          /* the last frame was */
     render_budget_frame *frames; /* the last ones */
     uint32_t count;
 } render_budget;

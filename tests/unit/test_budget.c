@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
  * host/plan/budget: the feedback rule on synthetic costs: how many frames it takes to come within
- * 15 % of the target, that it then stays, and that it ends at the best level there is.
+ * 15 % of the target, that it then stays, and that it ends at the best level there is. And when a
+ * plan is given up for another one, by times that are made up.
  */
 #include "plan/budget.h"
+#include "strata/frame.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -169,6 +171,107 @@ static void a_little_late_is_late_twice(void **state) {
     assert_int_equal(budget_measure(&r, 63), 1);
 }
 
+/* ---- plans ----------------------------------------------------------------------------------- */
+
+static budget_step take(budget_watch *w, double ms) {
+    budget_take(w, ms);
+    return budget_follow(w, STRATA_PAYLOAD_HALF);
+}
+
+/* Of a plan that turns nothing, within 100 ms: the frame at which it is given up, 0: it never is. */
+static const struct given_up {
+    const char *name;
+    double ms[8]; /* then the last of them goes on */
+    unsigned frame;
+} given_up[] = {
+    {"all are in time", {100, 110, 90, 100, 110, 90, 100, 100}, 0},
+    {"a little late is met", {114, 114, 114, 114, 114, 114, 114, 114}, 0},
+    {"one leaves no doubt", {151, 151, 151, 151, 151, 151, 151, 151}, 1},
+    {"two are much too late", {149, 131, 131, 131, 131, 131, 131, 131}, 2},
+    {"four are late", {116, 116, 116, 116, 116, 116, 116, 116}, 4},
+    {"the first ones are slow", {129, 122, 109, 105, 102, 103, 101, 102}, 0},
+    {"two of four are in time", {129, 114, 129, 114, 129, 114, 129, 114}, 0},
+    {"the scene becomes slower", {90, 90, 90, 120, 120, 120, 120, 120}, 6},
+};
+
+static void a_plan_is_given_up_for_lasting_lateness(void **state) {
+    (void)state;
+    for (size_t i = 0; i < sizeof given_up / sizeof *given_up; i++) {
+        const struct given_up *row = &given_up[i];
+        budget_watch w = {.asked = 100};
+        unsigned frame = 0, at = 0;
+        budget_planned(&w, NULL);
+        for (; frame < 40; frame++)
+            if (take(&w, row->ms[frame < 8 ? frame : 7]) == BUDGET_REPLANS && !at)
+                at = frame + 1;
+        if (at != row->frame)
+            fail_msg("%s: given up at frame %u, not %u", row->name, at, row->frame);
+        assert_int_equal(w.late, row->frame ? 1u << STRATA_PAYLOAD_HALF : 0);
+        assert_int_equal(w.replans, row->frame ? 1 : 0); /* what is late is given up once */
+    }
+}
+
+static budget_watch turning(double level, double most) {
+    const budget_rule rule = budget_begin(100, 1, most, level);
+    budget_watch w = {.asked = 100};
+    budget_planned(&w, &rule);
+    return w;
+}
+
+/* 21 of 26 is above 0.8, 20 is not. */
+static void a_knob_that_must_give_much_wants_a_plan(void **state) {
+    (void)state;
+    budget_watch w = turning(26, 254);
+    assert_int_equal(take(&w, 121), BUDGET_STAYS); /* believed twice */
+    assert_int_equal(take(&w, 121), BUDGET_TURNS);
+    assert_true(w.rule.level == 21);
+    assert_int_equal(w.judged, 0); /* frames at another level say nothing of this one */
+    w = turning(26, 254);
+    assert_int_equal(take(&w, 126), BUDGET_REPLANS);
+    assert_true(w.rule.level == 20);
+    for (int i = 0; i < 2; i++) {
+        const budget_rule rule = budget_begin(100, 1, 254, 26);
+        budget_planned(&w, &rule);
+        assert_int_equal(take(&w, 126), BUDGET_REPLANS);
+    }
+    const budget_rule rule = budget_begin(100, 1, 254, 26);
+    budget_planned(&w, &rule);
+    assert_int_equal(take(&w, 126), BUDGET_TURNS); /* expectations are not trusted any more */
+    assert_int_equal(w.replans, 3);
+}
+
+/* More may be kept than was expected: at the most there is, exact ways are weighed again, once, and
+ * not where they were late. */
+static void the_most_asks_for_exactness_once(void **state) {
+    (void)state;
+    budget_watch w = turning(8, 8);
+    assert_int_equal(take(&w, 60), BUDGET_REPLANS);
+    assert_int_equal(take(&w, 60), BUDGET_STAYS);
+    assert_int_equal(w.replans, 1);
+    w = turning(8, 8);
+    w.late = 1;
+    assert_int_equal(take(&w, 60), BUDGET_STAYS);
+    w = turning(8, 9);
+    assert_int_equal(take(&w, 60), BUDGET_TURNS);
+}
+
+/* At the least there is nothing more to give; another plan may have something. No more than eight
+ * are asked for. */
+static void the_least_asks_for_other_plans(void **state) {
+    (void)state;
+    budget_watch w = turning(1, 8);
+    int asked = 0;
+    for (int frame = 0; frame < 30; frame++)
+        asked += take(&w, 200) == BUDGET_REPLANS;
+    assert_int_equal(w.stuck, 1);
+    assert_int_equal(asked, 8);
+    assert_int_equal(w.replans, 8);
+    const budget_rule rule = budget_begin(100, 1, 8, 4);
+    budget_planned(&w, &rule);
+    assert_int_equal(w.stuck, 0);
+    assert_int_equal(take(&w, 100), BUDGET_STAYS);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(comes_within_ten_frames),
@@ -178,6 +281,10 @@ int main(void) {
         cmocka_unit_test(follows_the_scene),
         cmocka_unit_test(small_changes_are_none),
         cmocka_unit_test(a_little_late_is_late_twice),
+        cmocka_unit_test(a_plan_is_given_up_for_lasting_lateness),
+        cmocka_unit_test(a_knob_that_must_give_much_wants_a_plan),
+        cmocka_unit_test(the_most_asks_for_exactness_once),
+        cmocka_unit_test(the_least_asks_for_other_plans),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
