@@ -123,8 +123,9 @@ typedef struct strata_program_desc {
 } strata_program_desc;
 
 /* One resource of a pass, by the name it has in the GLSL: the block name of a buffer, the variable
- * name of a sampler or image. A pool brings its planes and counter under their own names (name is
- * NULL). The host itself binds the Strata* blocks of shaders/strata. */
+ * name of a sampler or image. A buffer may also stand, as a whole, behind a usamplerBuffer, whose texels
+ * are its 32-bit words: at most as many as the fact "limit.texels". A pool brings its planes and counter
+ * under their own names (name is NULL). The host itself binds the Strata* blocks of shaders/strata. */
 typedef struct strata_bind {
     uint32_t struct_size;
     uint32_t reserved;

@@ -42,12 +42,13 @@ typedef enum gpu_binding_kind {
     GPU_BINDING_STORAGE,
     GPU_BINDING_SAMPLED, /* combined image sampler: nearest, clamp to edge; texelFetch mostly */
     GPU_BINDING_STORAGE_IMAGE,
+    GPU_BINDING_TEXELS,    /* the words of a buffer, from its first, as texels of R32U */
     GPU_BINDING_PARAMS,    /* Vulkan: push constants; GL: a uniform buffer */
     GPU_BINDING_ATTACHMENT /* Vulkan: an input attachment, that colour attachment of the pass */
 } gpu_binding_kind;
 
-typedef struct gpu_binding { /* reflected from SPIR-V; `binding` is unique within its kind (GL) or
-                                set 0 (Vulkan) */
+typedef struct gpu_binding { /* reflected from SPIR-V; `binding` is unique within its gpu_group (GL)
+                                or set 0 (Vulkan) */
     char name[64];
     gpu_binding_kind kind;
     uint32_t binding;
@@ -59,6 +60,13 @@ typedef struct gpu_binding { /* reflected from SPIR-V; `binding` is unique withi
     uint32_t multisampled;         /* samplers */
     uint32_t attachment;           /* of GPU_BINDING_ATTACHMENT: its number */
 } gpu_binding;
+
+/* OpenGL counts by these: parameters are uniform blocks there, and texels take a texture unit. */
+static inline gpu_binding_kind gpu_group(gpu_binding_kind kind) {
+    return kind == GPU_BINDING_PARAMS   ? GPU_BINDING_UNIFORM
+           : kind == GPU_BINDING_TEXELS ? GPU_BINDING_SAMPLED
+                                        : kind;
+}
 
 typedef struct gpu_program_info {
     const char *label;
@@ -100,6 +108,8 @@ typedef struct gpu_native_pass {
 typedef struct gpu_backend_caps {
     char name[256], driver[256];
     uint64_t storage_range, memory; /* bytes; memory 0 = unknown */
+    uint64_t texels;                /* of a GPU_BINDING_TEXELS */
+    uint32_t software;              /* 1: it computes on the host's processor */
     uint32_t image_size, groups, subgroup;
     uint32_t samples;        /* the most of an image; 1: none is multisampled */
     uint32_t storage_blocks; /* that one shader stage can use */

@@ -307,12 +307,14 @@ uint64_t gpu_fact(gpu *g, const char *id) {
         uint64_t value;
     } facts[] = {
         {"limit.storage_range", caps->storage_range},
+        {"limit.texels", caps->texels},
         {"limit.image_size", caps->image_size},
         {"limit.groups", caps->groups},
         {"limit.memory", caps->memory},
         {"limit.subgroup", caps->subgroup},
         {"limit.samples", caps->samples},
         {"limit.storage_blocks", caps->storage_blocks},
+        {"device.software", caps->software},
         {"feature.int64", caps->int64},
         {"feature.int64_atomics", caps->int64_atomics},
         {"feature.fragment_interlock", caps->fragment_interlock},
@@ -335,6 +337,10 @@ uint64_t gpu_fact(gpu *g, const char *id) {
     if (strncmp(id, "selftest.", 9) == 0)
         return (uint64_t)gpu_selftest(g, id);
     return 0;
+}
+
+int gpu_reads_texels(gpu *g) {
+    return gpu_fact(g, "device.software") && g->caps.texels >= g->caps.storage_range / 4;
 }
 
 /* ---- runtime includes, defines, globals ------------------------------------------------------ */

@@ -90,14 +90,15 @@ void gpu_enumerate(void (*found)(void *user, const gpu_device_info *info, uint32
 
 /* Facts by string id; unknown = 0. Limits: limit.storage_range, limit.image_size, limit.groups,
  * limit.storage_blocks (of one shader stage),
+ * limit.texels (words of a buffer that a usamplerBuffer reads),
  * limit.memory (bytes of device memory, 0 unknown), limit.subgroup (size), limit.samples (of an
  * image, 1 = none is multisampled). Features:
  * feature.int64_atomics, feature.fragment_interlock, feature.raster_order_attachments,
- * feature.framebuffer_fetch, feature.subgroup_ballot, feature.stencil_export. Self-tests (run when
- * first asked, cached per driver): selftest.timestamps, selftest.ordered_rmw, selftest.interlock
- * (0 without the feature), selftest.ordered_attachments, selftest.sample_routing.
- * ordered_attachments: one of the features for it, and its self-test. ordered_access: that,
- * selftest.ordered_rmw or selftest.interlock. */
+ * feature.framebuffer_fetch, feature.subgroup_ballot, feature.stencil_export. device.software: it
+ * computes on the host's processor. Self-tests (run when first asked, cached per driver):
+ * selftest.timestamps, selftest.ordered_rmw, selftest.interlock (0 without the feature),
+ * selftest.ordered_attachments, selftest.sample_routing. ordered_attachments: one of the features
+ * for it, and its self-test. ordered_access: that, selftest.ordered_rmw or selftest.interlock. */
 uint64_t gpu_fact(gpu *g, const char *id);
 
 /* ---- scopes and objects -----------------------------------------------------------------------

@@ -31,9 +31,12 @@ static int find_binding(const gpu_program_state *program, const char *name) {
 
 static int check_buffer_range(gpu *g, const gpu_binding *binding, const gpu_object *object,
                               uint64_t offset, uint64_t size) {
-    uint64_t limit = binding->kind == GPU_BINDING_UNIFORM ? GPU_MAX_UNIFORM : g->caps.storage_range;
-    if (offset > object->buffer.size || size > object->buffer.size - offset || size == 0 ||
-        offset % 256 || size < binding->size) {
+    const int texels = binding->kind == GPU_BINDING_TEXELS;
+    uint64_t limit = texels                                 ? g->caps.texels * 4
+                     : binding->kind == GPU_BINDING_UNIFORM ? GPU_MAX_UNIFORM
+                                                            : g->caps.storage_range;
+    if ((texels && (offset || size != object->buffer.size)) || offset > object->buffer.size ||
+        size > object->buffer.size - offset || size == 0 || offset % 256 || size < binding->size) {
         gpu_record_fail(g, GPU_ERROR_BUFFER_RANGE,
                         "'%s': buffer '%s' of %llu bytes, %llu at %llu; the block has %u",
                         binding->name, object->label, (unsigned long long)object->buffer.size,
@@ -88,7 +91,8 @@ static void add_native(bind_context *c, int index, gpu_storage *storage, uint64_
 static int bind_buffer(bind_context *c, int index, gpu_object *object, uint64_t offset,
                        uint64_t size) {
     const gpu_binding *binding = &c->program->bindings[index];
-    if (binding->kind != GPU_BINDING_UNIFORM && binding->kind != GPU_BINDING_STORAGE) {
+    if (binding->kind != GPU_BINDING_UNIFORM && binding->kind != GPU_BINDING_STORAGE &&
+        binding->kind != GPU_BINDING_TEXELS) {
         gpu_record_fail(c->g, GPU_ERROR_BIND_KIND, "'%s': buffer '%s'", binding->name,
                         object->label);
         return 0;

@@ -206,6 +206,10 @@ strata_result gpu_backend_result(gpu *g, base_error *err, strata_result result);
 strata_result gpu_take(gpu *g, base_error *err, const void *from, void *to, size_t size,
                        const char *name);
 
+/* Whether programs read buffers as texels where they can (STRATA_TEXELS in strata/compat.glsl): on
+ * software rasterisers, when any buffer that can be bound has room. */
+int gpu_reads_texels(gpu *g);
+
 /* ---- gpu_objects.c ----------------------------------------------------------------------------
  */
 
@@ -310,11 +314,13 @@ typedef struct gpu_reflection {
 strata_result gpu_reflect(const char *label, uint32_t kind, int vulkan_target, gpu_spirv *spirv,
                           gpu_reflection *out, base_error *err);
 
-/* Gives variable ids[i] the binding numbers[i] (set 0 when `sets`) and removes every other uniform,
- * buffer or push-constant variable that nothing refers to. Replaces *words. */
+/* Gives the variables their bindings (set 0 when `sets`) and locations, and removes every other
+ * uniform, buffer or push-constant variable that nothing refers to. Replaces *words. */
 typedef struct gpu_spirv_binding {
     uint32_t id, number;
+    uint32_t location; /* GPU_NO_LOCATION, or of what OpenGL counts by locations, not by blocks */
 } gpu_spirv_binding;
+#define GPU_NO_LOCATION UINT32_MAX
 strata_result gpu_spirv_rewrite(uint32_t **words, size_t *count, const gpu_spirv_binding *bindings,
                                 uint32_t binding_count, int sets, base_error *err);
 

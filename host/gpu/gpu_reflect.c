@@ -77,13 +77,20 @@ static strata_result describe_image(reflection_context *c, const spvc_reflected_
     spvc_type sampled =
         spvc_compiler_get_type_handle(c->compiler, spvc_type_get_image_sampled_type(type));
     spvc_basetype base = sampled ? spvc_type_get_basetype(sampled) : SPVC_BASETYPE_UNKNOWN;
+    if (binding->kind == GPU_BINDING_SAMPLED &&
+        spvc_type_get_image_dimension(type) == SpvDimBuffer && base == SPVC_BASETYPE_UINT32 &&
+        !spvc_type_get_num_array_dimensions(type)) {
+        binding->kind = GPU_BINDING_TEXELS;
+        return STRATA_OK;
+    }
     binding->arrayed = spvc_type_get_image_arrayed(type) ? 1 : 0;
     binding->multisampled = spvc_type_get_image_multisampled(type) ? 1 : 0;
     if (spvc_type_get_num_array_dimensions(type) ||
         (binding->multisampled && (binding->arrayed || binding->kind != GPU_BINDING_SAMPLED)) ||
         spvc_type_get_image_dimension(type) != SpvDim2D || base == SPVC_BASETYPE_INT32)
         return base_fail(c->err, STRATA_ERROR_SHADER,
-                         "%s: '%s' is not a 2D image or array of floats or unsigned integers",
+                         "%s: '%s' is neither a 2D image or array of floats or unsigned integers "
+                         "nor a usamplerBuffer",
                          c->label, binding->name);
     binding->is_unsigned = base == SPVC_BASETYPE_UINT32;
     if (binding->kind == GPU_BINDING_STORAGE_IMAGE)
@@ -124,6 +131,7 @@ static strata_result describe(reflection_context *c, const spvc_reflected_resour
         binding->access = GPU_ACCESS_UNIFORM;
         break;
     case GPU_BINDING_SAMPLED:
+    case GPU_BINDING_TEXELS:
         binding->access = GPU_ACCESS_SAMPLED;
         break;
     case GPU_BINDING_ATTACHMENT:
@@ -271,7 +279,7 @@ static void number_bindings(reflection_context *c) {
         if (c->vulkan_target)
             binding->binding = is_params ? 0 : next_vulkan++;
         else
-            binding->binding = next[is_params ? GPU_BINDING_UNIFORM : binding->kind]++;
+            binding->binding = next[gpu_group(binding->kind)]++;
     }
 }
 
@@ -282,8 +290,14 @@ static strata_result write_numbers(reflection_context *c, gpu_spirv *spirv, uint
         const gpu_binding *binding = &c->out->bindings[c->variables[stage][i].binding];
         if (c->vulkan_target && binding->kind == GPU_BINDING_PARAMS)
             continue; /* push constants have no binding */
-        list[count++] =
-            (gpu_spirv_binding){.id = c->variables[stage][i].id, .number = binding->binding};
+        /* The compiler counts locations stage by stage; linked stages must not share one. */
+        const int located = !c->vulkan_target && (binding->kind == GPU_BINDING_SAMPLED ||
+                                                  binding->kind == GPU_BINDING_TEXELS ||
+                                                  binding->kind == GPU_BINDING_STORAGE_IMAGE);
+        list[count++] = (gpu_spirv_binding){.id = c->variables[stage][i].id,
+                                            .number = binding->binding,
+                                            .location = located ? c->variables[stage][i].binding
+                                                                : GPU_NO_LOCATION};
     }
     return gpu_spirv_rewrite(&spirv->words[stage], &spirv->count[stage], list, count,
                              c->vulkan_target, c->err);

@@ -17,7 +17,7 @@ typedef struct module {
     const uint32_t *words;
     size_t count;
     uint32_t bound;       /* ids are below this */
-    uint8_t *is_resource; /* by id: 1, or 2 when it gets a number */
+    uint8_t *is_resource; /* by id: 1, 2 when it gets a number, 3 when a location, too */
     uint8_t *is_used;
     uint32_t *out;
     size_t out_count;
@@ -104,9 +104,13 @@ static void put_bindings(module *m, const gpu_spirv_binding *bindings, uint32_t 
                                     bindings[i].number};
         const uint32_t set[] = {4u << 16 | SpvOpDecorate, bindings[i].id,
                                 SpvDecorationDescriptorSet, 0};
+        const uint32_t location[] = {4u << 16 | SpvOpDecorate, bindings[i].id,
+                                     SpvDecorationLocation, bindings[i].location};
         put(m, binding, 4);
         if (sets)
             put(m, set, 4);
+        if (bindings[i].location != GPU_NO_LOCATION)
+            put(m, location, 4);
     }
 }
 
@@ -117,9 +121,11 @@ static int keeps(const module *m, const uint32_t *words, uint32_t op, uint32_t l
     if (op == SpvOpVariable && length >= 4)
         return !is_gone(m, words[2]);
     if (op == SpvOpDecorate && length >= 3) {
-        int is_place = words[2] == SpvDecorationBinding || words[2] == SpvDecorationDescriptorSet;
-        return !is_gone(m, words[1]) &&
-               !(is_place && words[1] < m->bound && m->is_resource[words[1]] == 2);
+        const int given = words[1] < m->bound ? m->is_resource[words[1]] : 0;
+        const int is_place =
+            words[2] == SpvDecorationBinding || words[2] == SpvDecorationDescriptorSet;
+        return !is_gone(m, words[1]) && !(is_place && given >= 2) &&
+               !(words[2] == SpvDecorationLocation && given == 3);
     }
     return 1;
 }
@@ -134,7 +140,7 @@ strata_result gpu_spirv_rewrite(uint32_t **words, size_t *count, const gpu_spirv
         return base_fail(err, STRATA_ERROR_SHADER, "the SPIR-V module is malformed");
     m.is_resource = base_calloc(m.bound, 1);
     m.is_used = base_calloc(m.bound, 1);
-    m.out = base_calloc(*count + (size_t)binding_count * 8, sizeof *m.out);
+    m.out = base_calloc(*count + (size_t)binding_count * 12, sizeof *m.out);
     if (!m.is_resource || !m.is_used || !m.out) {
         result = base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "no memory for SPIR-V");
         goto cleanup;
@@ -145,7 +151,7 @@ strata_result gpu_spirv_rewrite(uint32_t **words, size_t *count, const gpu_spirv
     }
     for (uint32_t i = 0; i < binding_count; i++)
         if (bindings[i].id < m.bound)
-            m.is_resource[bindings[i].id] = 2;
+            m.is_resource[bindings[i].id] = bindings[i].location != GPU_NO_LOCATION ? 3 : 2;
     put(&m, m.words, HEADER_WORDS);
     for (size_t at = HEADER_WORDS; at < m.count;) {
         uint32_t op = opcode(m.words[at]), length = length_of(m.words[at]);

@@ -199,17 +199,26 @@ static void add_calls(base_text *text, const plan *p, int certify) {
 /* STRATA_PAYLOAD_ACCESS: how the program touches the planes (coherent, for one), in place of what
  * follows from reading or writing alone. */
 static void add_planes(base_text *text, const plan_payload *payload) {
-    base_text_add(text, "#if defined(STRATA_PAYLOAD_WRITE) || defined(STRATA_PAYLOAD_READ)\n"
-                        "#ifndef STRATA_PAYLOAD_ACCESS\n#ifndef STRATA_PAYLOAD_READ\n"
-                        "#define STRATA_PAYLOAD_ACCESS writeonly\n"
-                        "#elif !defined(STRATA_PAYLOAD_WRITE)\n"
-                        "#define STRATA_PAYLOAD_ACCESS readonly\n"
-                        "#else\n#define STRATA_PAYLOAD_ACCESS\n#endif\n#endif\n");
+    base_text_add(text, "#ifdef STRATA_PAYLOAD_WRITE\n"
+                        "#ifndef STRATA_PAYLOAD_ACCESS\n#ifdef STRATA_PAYLOAD_READ\n"
+                        "#define STRATA_PAYLOAD_ACCESS\n"
+                        "#else\n#define STRATA_PAYLOAD_ACCESS writeonly\n#endif\n#endif\n");
     for (uint32_t i = 0; i < payload->plane_count; ++i)
         base_text_add(text,
                       "layout(std430) STRATA_PAYLOAD_ACCESS buffer StrataPayload%u { %s "
                       "strata_payload%u[]; };\n",
                       i, payload->plane_strides[i] == 8 ? "STRATA_PAIR" : "uint", i);
+    base_text_add(text, "#define STRATA_PAYLOAD_PAIR(plane, slot) "
+                        "STRATA_FROM_PAIR(strata_payload##plane[slot])\n"
+                        "#define STRATA_PAYLOAD_WORD(plane, slot) strata_payload##plane[slot]\n"
+                        "#elif defined(STRATA_PAYLOAD_READ)\n"
+                        "#define STRATA_PAYLOAD_PAIR(plane, slot) "
+                        "STRATA_AT_UVEC2(StrataPayload##plane, slot)\n"
+                        "#define STRATA_PAYLOAD_WORD(plane, slot) "
+                        "STRATA_AT_UINT(StrataPayload##plane, slot)\n");
+    for (uint32_t i = 0; i < payload->plane_count; ++i)
+        base_text_add(text, "STRATA_READ(StrataPayload%u, %s)\n", i,
+                      payload->plane_strides[i] == 8 ? "uvec2" : "uint");
     base_text_add(text, "#endif\n");
 }
 
@@ -281,11 +290,11 @@ static void add_load(base_text *text, const plan_payload *payload) {
     for (uint32_t i = 0; i < payload->plane_count; ++i) {
         if (payload->plane_strides[i] == 8)
             base_text_add(text,
-                          "    uvec2 plane%u = STRATA_FROM_PAIR(strata_payload%u[slot]);\n"
+                          "    uvec2 plane%u = STRATA_PAYLOAD_PAIR(%u, slot);\n"
                           "    words[%u] = plane%u.x;\n    words[%u] = plane%u.y;\n",
                           i, i, word, i, word + 1, i);
         else
-            base_text_add(text, "    words[%u] = strata_payload%u[slot];\n", word, i);
+            base_text_add(text, "    words[%u] = STRATA_PAYLOAD_WORD(%u, slot);\n", word, i);
         word += payload->plane_strides[i] / 4;
     }
     base_text_add(text, "    return strata_payload_decode(words);\n}\n");

@@ -31,7 +31,7 @@ uint fragment_object() {
 float nearest_depth(uint item) {
     const float ROUNDING = 1.1920929e-7, ANYTHING = 2.0; // 2^-23
     StrataObject object = strata_objects[item];
-    StrataRecord record = strata_records[item];
+    StrataRecord record = strata_record_at(item);
     if ((object.flags & STRATA_OBJECT_UNBOUNDED) != 0u)
         return ANYTHING;
     vec3 reach = max(abs(object.lower), abs(object.upper)), world;

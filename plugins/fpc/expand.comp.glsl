@@ -18,14 +18,14 @@ void main() {
     if (begin < elements) {
         uint rank = rank_of_element(begin), end = min(begin + ELEMENTS_PER_INVOCATION, elements);
         uint first = ranked_elements[rank].y;
-        uvec2 range = strata_ranges[ranked_elements[rank].x];
+        uvec2 range = strata_range_at(ranked_elements[rank].x);
         for (uint i = begin; i < end; ++i) {
             if (i - first >= range.y) {
                 first = i;
-                range = strata_ranges[ranked_elements[++rank].x];
+                range = strata_range_at(ranked_elements[++rank].x);
             }
             uint slot = range.x + (i - first);
-            uvec2 key = strata_keys[slot];
+            uvec2 key = strata_key_at(slot);
             FROM_ELEMENTS[i] = uvec2(rank, key.x);
             FROM_SLOTS[i] = slot;
             extent = max(extent, extent_of(key));

@@ -21,7 +21,7 @@ void main() {
         return;
     uint rank = rank_of_chunk(chunk), at = chunk - ranked_chunks[rank].x;
     uint pixel = ranked_elements[rank].x, first = ranked_elements[rank].y;
-    uint count = strata_ranges[pixel].y;
+    uint count = strata_range_at(pixel).y;
     uint begin = at * CHUNK, end = min(begin + CHUNK, count);
     StrataElement walk = strata_fold_begin();
     uint i = begin;

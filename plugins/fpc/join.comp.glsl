@@ -17,7 +17,7 @@ void main() {
     if (joint >= joints)
         return;
     uint rank = joint_rank(joint), at = joint - ranked_chunks[rank].y;
-    uint pixel = ranked_elements[rank].x, parts = chunks_of(strata_ranges[pixel].y);
+    uint pixel = ranked_elements[rank].x, parts = chunks_of(strata_range_at(pixel).y);
     if (parts <= params.stride || at % (params.stride * CHUNK) != 0u)
         return; // its fold has ended, or another invocation has this node
     StrataElement walk = joint_at(joint);

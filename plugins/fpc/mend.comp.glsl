@@ -15,10 +15,10 @@ layout(std430) buffer Slots0 { uint slots0[]; };
 // Insertion sort: with its own loops at most TIE_LIMIT^2 / 2 turns.
 void mend(uint begin, uint end) {
     for (uint i = begin + 1u; i < end; ++i) {
-        uint slot = slots0[i], order = strata_keys[slot].y, j = i;
+        uint slot = slots0[i], order = strata_key_at(slot).y, j = i;
         for (; j > begin; --j) {
             uint before = slots0[j - 1u];
-            if (strata_keys[before].y < order)
+            if (strata_key_at(before).y < order)
                 break;
             slots0[j] = before;
         }

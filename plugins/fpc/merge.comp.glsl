@@ -20,6 +20,6 @@ void main() {
     if (chunk >= chunks)
         return;
     uint rank = rank_of_chunk(chunk), begin = (chunk - ranked_chunks[rank].x) * CHUNK;
-    uint count = strata_ranges[ranked_elements[rank].x].y;
+    uint count = strata_range_at(ranked_elements[rank].x).y;
     strata_merge(ranked_elements[rank].y, count, params.run, begin, begin + CHUNK);
 }

@@ -12,7 +12,7 @@ uint group_count() {
 
 // Fragments of a pixel that fpc folds; 0 for pixels that are not its business.
 uint count_of(uint pixel) {
-    uint count = pixel < strata_pixel_count() ? strata_ranges[pixel].y : 0u;
+    uint count = pixel < strata_pixel_count() ? strata_range_at(pixel).y : 0u;
     return count >= FPC_LEAST ? count : 0u;
 }
 

@@ -3,13 +3,13 @@
 // fpc, pass 2, one work group: sums become offsets; totals become what the pools need and the indirect
 // dispatches, which are empty when a pool is too small: the frame is recorded again then.
 #include "strata/fragments.glsl"
+#include "strata/pool.glsl"
 #include "strata/scan.glsl"
 #include "table.glsl"
 #include "pixels.glsl"
 
 FPC_TABLE(restrict)
 layout(std430) buffer Sums { uvec4 sums[]; };
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 layout(std430) buffer RankedPool { uint ranked_needed; uint ranked_capacity; };
 layout(std430) buffer ElementPool { uint element_needed; uint element_capacity; };
 layout(std430) buffer CounterPool { uint counter_needed; uint counter_capacity; };
@@ -42,7 +42,7 @@ void set_table(uvec4 total) {
     streams = parts_of(elements, stream);
     counter_needed = streams > 0xffffffffu / DIGITS ? 0xffffffffu : streams * DIGITS;
     block_needed = parts_of(counter_needed, COUNTERS_PER_INVOCATION * STRATA_GROUP);
-    bool fit = strata_needed <= strata_capacity && ranked_needed <= ranked_capacity &&
+    bool fit = !strata_pool_short() && ranked_needed <= ranked_capacity &&
                element_needed <= element_capacity && counter_needed <= counter_capacity &&
                block_needed <= block_capacity && joint_needed <= joint_capacity;
 #if STRATA_LAYOUT == 1
@@ -53,7 +53,7 @@ void set_table(uvec4 total) {
     if (!fit)
         return;
 #if STRATA_LAYOUT == 1
-    element_groups = groups_for(elements > 0u ? parts_of(strata_needed, ELEMENTS_PER_INVOCATION) : 0u);
+    element_groups = groups_for(elements > 0u ? parts_of(strata_pool_needed(), ELEMENTS_PER_INVOCATION) : 0u);
 #else
     element_groups = groups_for(parts_of(elements, ELEMENTS_PER_INVOCATION));
 #endif

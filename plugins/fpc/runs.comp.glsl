@@ -19,7 +19,7 @@ void main() {
     if (chunk >= chunks)
         return;
     uint rank = rank_of_chunk(chunk), begin = (chunk - ranked_chunks[rank].x) * CHUNK;
-    uvec2 range = strata_ranges[ranked_elements[rank].x];
+    uvec2 range = strata_range_at(ranked_elements[rank].x);
     uint base = ranked_elements[rank].y;
     for (uint at = begin; at < min(begin + CHUNK, range.y); at += STRATA_SORT_BLOCK)
         strata_sort_block(range.x + at, base + at, min(range.y - at, STRATA_SORT_BLOCK));

@@ -33,7 +33,7 @@ uint digit_of(uvec2 element, uint at, uint bit) {
         shifted(element.y - ~inverse_nearest, to) | shifted(element.x, to + int(key_bits));
 #if BY_ORDER
     if (to > 0)
-        digit |= shifted(strata_keys[FROM_SLOTS[at]].y - ~inverse_first, -int(bit));
+        digit |= shifted(strata_key_at(FROM_SLOTS[at]).y - ~inverse_first, -int(bit));
 #endif
     return digit & (DIGITS - 1u);
 }

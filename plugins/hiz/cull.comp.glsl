@@ -121,7 +121,7 @@ void main() {
         bool bounded = (object.flags & STRATA_OBJECT_UNBOUNDED) == 0u;
         uint judged = STRATA_TOO_NEAR;
         if (bounded)
-            judged = judge(item, extent_of(strata_records[item], object.lower, object.upper));
+            judged = judge(item, extent_of(strata_record_at(item), object.lower, object.upper));
         bool draws = judged < STRATA_OUTSIDE;
 #ifdef HIZ_SECOND
         bool drawn = state < STRATA_OUTSIDE;

@@ -7,9 +7,9 @@
 #endif
 #include "strata/shading.glsl"
 #include "descend.glsl"
+#include "strata/pool.glsl"
 
 layout(early_fragment_tests) in;
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 #if !defined(EXACT) && !defined(ORDERS_PASS)
 layout(location = 0) out float arrived;
 #endif
@@ -20,7 +20,7 @@ void main() {
 #if !defined(EXACT) && !defined(ORDERS_PASS)
     arrived = 1.0;
 #endif
-    if (strata_needed > strata_capacity)
+    if (strata_pool_short())
         return;
     uvec2 slots = slots_of(strata_pixel(uvec2(gl_FragCoord.xy)));
     uvec2 record = uvec2(strata_key(gl_FragCoord.z), strata_order(strata_primitive()));

@@ -6,6 +6,9 @@
 // only see too much. Empty slots hold the largest value.
 //   WIDE   one chain of 64 bits, key << 32 | order (int64 atomics; swap.comp.glsl puts words in order)
 //   else   a chain of keys, each as often as it occurs; then, among the slots of one key, one of orders
+#ifndef STRATA_RECORDS // read as what they are here, not as fragments/1 has them
+#define STRATA_RECORDS readonly
+#endif
 #ifdef WIDE
 #define STRATA_KEYS uint64_t
 #define VALUE uint64_t

@@ -9,8 +9,8 @@
 #endif
 #include "strata/tiles.glsl"
 #include "strata/totals.glsl"
+#include "strata/pool.glsl"
 
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 
 #ifdef CHAIN_COUNTS
 uint count_of(uint pixel) { return chain_below(slots_of(pixel), NO_VALUE); }
@@ -29,7 +29,7 @@ void main() {
         if (pixel >= strata_pixel_count())
             break;
         uint here = strata_count_at(pixel), count = 0u;
-        if (strata_needed <= strata_capacity)
+        if (!strata_pool_short())
             count = count_of(pixel);
         strata_ranges[pixel] = uvec2(slots_of(pixel).x, count);
         arrived += here;

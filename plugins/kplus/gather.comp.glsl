@@ -6,6 +6,7 @@
 #define STRATA_KEYS STRATA_PAIR
 #include "slots.glsl"
 #include "attachments.glsl"
+#include "strata/pool.glsl"
 #include "strata/scan.glsl"
 #include "strata/totals.glsl"
 #ifdef LATE
@@ -19,7 +20,6 @@
 #include "strata/sort.glsl"
 #endif
 
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 #ifndef COUNTED
 layout(std430) readonly buffer Dropped { uint dropped[]; };
 #endif
@@ -52,7 +52,7 @@ void main() {
 #ifdef LATE
     STRATA_SORT_16(0)
 #endif
-    bool fits = strata_needed <= strata_capacity;
+    bool fits = !strata_pool_short();
     for (uint i = 0u; i < K; ++i) {
         bool held = r[i].x != STRATA_NO_KEY;
         kept += uint(fits && held);

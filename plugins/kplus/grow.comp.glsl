@@ -10,8 +10,8 @@
 #include "strata/tiles.glsl"
 #include "strata/loss.glsl"
 #include "strata/fold.glsl"
+#include "strata/pool.glsl"
 
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 layout(std430) readonly buffer Events { uint events; };
 layout(std430) buffer Nearest { uint nearest[]; };
 layout(std430) buffer Grown { uint grown_pixels; uint grown_records; };
@@ -52,7 +52,7 @@ uint wanted(uint pixel, uvec2 slots) {
 void main() {
     uint pixel = strata_item();
     // What a pool that is too small, a lock that failed or a tie left there says nothing.
-    if (pixel >= strata_pixel_count() || strata_needed > strata_capacity || events != 0u)
+    if (pixel >= strata_pixel_count() || strata_pool_short() || events != 0u)
         return;
     uvec2 slots = slots_of(pixel), position = strata_position(pixel);
     uint count = strata_count_at(pixel), at = position.y * strata_frame_size.x + position.x;

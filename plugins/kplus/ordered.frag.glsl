@@ -16,9 +16,9 @@
 #include "attachments.glsl"
 #include "strata/loss.glsl"
 #include "strata/ordered.glsl"
+#include "strata/pool.glsl"
 
 layout(early_fragment_tests) in;
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 #ifndef COUNTED
 layout(std430) buffer Dropped { uint dropped[]; };
 #endif
@@ -84,7 +84,7 @@ void main() {
 #endif
     STRATA_EACH(STORE)
 #ifndef LATE
-    if (strata_needed > strata_capacity)
+    if (strata_pool_short())
         return;
     uint slot = slots_of(pixel).x + place;
 #ifdef SHADE_FIRST

@@ -12,9 +12,9 @@
 #include "chain.glsl"
 #endif
 #include "strata/loss.glsl"
+#include "strata/pool.glsl"
 
 layout(early_fragment_tests) in;
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 #ifdef TAKE_ORDERS
 layout(std430) buffer Ties { uint ties; };
 #endif
@@ -60,7 +60,7 @@ void main() {
     StrataSurface surface;
     if (!strata_surface(surface))
         discard;
-    if (strata_needed > strata_capacity)
+    if (strata_pool_short())
         return;
     uint pixel = strata_pixel(uvec2(gl_FragCoord.xy));
     uvec2 slots = slots_of(pixel);

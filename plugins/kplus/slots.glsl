@@ -2,9 +2,7 @@
 //
 // kplus: where a pixel's slots lie. memory=exact gave each pixel a range of its own capacity, min(count,
 // its k), in StrataRanges; memory=fixed gives each k slots, and finish.comp.glsl writes the ranges.
-#ifdef EXACT
-#define STRATA_RANGES readonly
-#else
+#ifndef EXACT
 #define STRATA_RANGES writeonly
 #endif
 #include "strata/fragments.glsl"
@@ -15,7 +13,7 @@
 STRATA_PARAMS { uint k; uint tries; MORE_PARAMS } params;
 
 #ifdef EXACT
-uvec2 slots_of(uint pixel) { return strata_ranges[pixel]; } // first, capacity
+uvec2 slots_of(uint pixel) { return strata_range_at(pixel); } // first, capacity
 #else
 uvec2 slots_of(uint pixel) { return uvec2(pixel * params.k, params.k); }
 

@@ -4,11 +4,11 @@
 #define STRATA_RECORDS
 #include "slots.glsl"
 #include "strata/scan.glsl"
+#include "strata/pool.glsl"
 
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 
 void main() {
     uint slot = strata_item();
-    if (slot < min(strata_needed, strata_capacity))
+    if (slot < min(strata_pool_needed(), strata_pool_capacity()))
         strata_keys[slot] = strata_keys[slot].yx;
 }

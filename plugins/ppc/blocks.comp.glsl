@@ -21,7 +21,7 @@ void main() {
     if (deep_fits == 0u || block >= blocks)
         return;
     uint deep = block_owner[block];
-    uvec2 range = strata_ranges[lists[classes[CLASS_DEEP].offset + deep]];
+    uvec2 range = strata_range_at(lists[classes[CLASS_DEEP].offset + deep]);
     uint first = (block - deep_base[deep]) * DEEP_BLOCK;
 #if STRATA_LAYOUT == 1
     uint from = block * DEEP_BLOCK;

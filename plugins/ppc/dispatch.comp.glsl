@@ -7,7 +7,7 @@
 
 CLASS_TABLE(restrict)
 #include "strata/class_offsets.glsl"
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
+#include "strata/pool.glsl"
 layout(std430) buffer DeepPool { uint deep_needed; uint deep_capacity; };
 layout(std430) buffer BlockPool { uint block_needed; uint block_capacity; };
 layout(std430) buffer SlotPool { uint slot_needed; uint slot_capacity; };
@@ -25,7 +25,7 @@ void main() {
     block_needed = blocks;
     slot_needed = blocks > 0xffffffffu / DEEP_BLOCK ? 0xffffffffu : blocks * DEEP_BLOCK;
     walk_needed = largest > WALK_CHUNK ? WALK_STATE * classes[CLASS_DEEP].count : 0u;
-    bool fits = strata_needed <= strata_capacity && deep_needed <= deep_capacity &&
+    bool fits = !strata_pool_short() && deep_needed <= deep_capacity &&
                 block_needed <= block_capacity && slot_needed <= slot_capacity &&
                 walk_needed <= walk_capacity;
 #if STRATA_LAYOUT == 1

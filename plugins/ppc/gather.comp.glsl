@@ -4,8 +4,8 @@
 // place among that pixel's slots. Lists are not walked, so their length does not matter.
 #include "strata/fragments.glsl"
 #include "strata/scan.glsl"
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 #include "deep.glsl"
+#include "strata/pool.glsl"
 
 layout(std430) readonly buffer DeepIndex { uint deep_index[]; };
 layout(std430) buffer DeepCursor { uint deep_cursor[]; };
@@ -13,10 +13,10 @@ layout(std430) writeonly buffer Slots1 { uint slots1[]; };
 
 void main() {
     uint slot = strata_item();
-    if (slot >= strata_needed || deep_fits == 0u)
+    if (slot >= strata_pool_needed() || deep_fits == 0u)
         return;
-    uint pixel = strata_links[slot].y;
-    if (class_of(strata_ranges[pixel].y) != CLASS_DEEP)
+    uint pixel = strata_link_at(slot).y;
+    if (class_of(strata_range_at(pixel).y) != CLASS_DEEP)
         return;
     uint deep = deep_index[pixel];
     slots1[deep_base[deep] * DEEP_BLOCK + atomicAdd(deep_cursor[deep], 1u)] = slot;

@@ -29,7 +29,7 @@ void main() {
     if (deep_fits == 0u || block >= blocks)
         return;
     uint deep = block_owner[block];
-    uint count = strata_ranges[lists[classes[CLASS_DEEP].offset + deep]].y;
+    uint count = strata_range_at(lists[classes[CLASS_DEEP].offset + deep]).y;
     uint base = deep_base[deep] * DEEP_BLOCK;
     uint begin = block * DEEP_BLOCK - base; // of the output, within the pixel
     strata_merge(base, count, params.run, begin, begin + DEEP_BLOCK);

@@ -16,7 +16,7 @@ void main() {
     uint deep = strata_item();
     if (deep >= classes[CLASS_DEEP].count || deep_fits == 0u)
         return;
-    uint count = blocks_of(strata_ranges[lists[classes[CLASS_DEEP].offset + deep]].y);
+    uint count = blocks_of(strata_range_at(lists[classes[CLASS_DEEP].offset + deep]).y);
     uint base = deep_base[deep];
 #define OWN(j)                                                                                     \
     if (i + j < count)                                                                             \

@@ -39,7 +39,7 @@ void main() {
     if (deep_fits == 0u || deep >= classes[CLASS_DEEP].count)
         return;
     uint pixel = lists[classes[CLASS_DEEP].offset + deep];
-    uint count = strata_ranges[pixel].y;
+    uint count = strata_range_at(pixel).y;
     if (params.first >= count)
         return;
     StrataElement walk = strata_fold_begin();

@@ -13,7 +13,7 @@ void main() {
     uint pixel = strata_item();
     if (pixel >= strata_pixel_count())
         return;
-    uint held = strata_ranges[pixel].y;
+    uint held = strata_range_at(pixel).y;
     uint layers[BATCH] = layers_at(strata_position(pixel));
     bool exact = true;
     for (uint i = 0u; i < BATCH; ++i)

@@ -10,9 +10,9 @@
 #include "strata/fragments.glsl"
 #include "strata/effects.glsl"
 #include "layers.glsl"
+#include "strata/pool.glsl"
 
 layout(early_fragment_tests) in;
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 STRATA_PARAMS { uint first; } params; // the batch's first layer
 
 // Which layer of the batch holds the primitive here, the first; BATCH: none. It covers a pixel once at
@@ -32,9 +32,9 @@ void main() {
     uint layer = find_layer(primitive);
     if (layer == BATCH)
         return;
-    uvec2 range = strata_ranges[strata_pixel(uvec2(gl_FragCoord.xy))];
+    uvec2 range = strata_range_at(strata_pixel(uvec2(gl_FragCoord.xy)));
     uint slot = range.x + params.first + layer;
-    if (params.first + layer >= range.y || slot >= strata_capacity)
+    if (params.first + layer >= range.y || slot >= strata_pool_capacity())
         return;
     StrataSurface surface;
     strata_surface(slopes, surface);

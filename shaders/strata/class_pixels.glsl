@@ -29,7 +29,7 @@ uint class_pixel(uvec2 block, uint i) {
 uint class_count(uvec2 block, uint i) {
     bool inside = block.x + i % CLASS_BLOCK < strata_band.z &&
                   block.y + i / CLASS_BLOCK < strata_band.w;
-    return inside ? strata_ranges[class_pixel(block, i)].y : 0u;
+    return inside ? strata_range_at(class_pixel(block, i)).y : 0u;
 }
 
 #endif

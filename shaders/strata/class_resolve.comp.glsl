@@ -9,10 +9,10 @@
 #include "strata/sort.glsl"
 #include "strata/classes.glsl"
 #include "strata/class_fold.glsl"
+#include "strata/pool.glsl"
 
 CLASS_TABLE(readonly)
 layout(std430) readonly buffer Lists { uint lists[]; };
-layout(std430) readonly buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
 layout(std430) buffer TiedPool { uint tied_needed; uint tied_capacity; };
 layout(std430) writeonly buffer TiedPixels { uint tied_pixels[]; };
 
@@ -29,13 +29,13 @@ void leave_to_tied(uint pixel) {
     k[i] = STRATA_NO_KEY;                                                                          \
     s[i] = slot;                                                                                   \
     if (i < range.y) {                                                                             \
-        k[i] = strata_keys[slot].x;                                                                \
-        slot = strata_links[slot].x;                                                               \
+        k[i] = strata_key_at(slot).x;                                                              \
+        slot = strata_link_at(slot).x;                                                             \
     }
 #else
 #define LOAD(i)                                                                                    \
     s[i] = range.x + i;                                                                            \
-    k[i] = i < range.y ? strata_keys[range.x + i].x : STRATA_NO_KEY;
+    k[i] = i < range.y ? strata_key_at(range.x + i).x : STRATA_NO_KEY;
 #endif
 #define COMPARE(i) tied = tied || (k[i] == k[i + 1u] && k[i] != STRATA_NO_KEY);
 #endif
@@ -51,8 +51,8 @@ void main() {
     if (item >= classes[CLASS].count)
         return;
     uint pixel = lists[classes[CLASS].offset + item];
-    uvec2 range = strata_ranges[pixel];
-    if (strata_needed > strata_capacity)
+    uvec2 range = strata_range_at(pixel);
+    if (strata_pool_short())
         return; // this attempt's pool is too small; the frame is recorded again
 #if SIZE == 1
     uint s[1] = uint[1](range.x);

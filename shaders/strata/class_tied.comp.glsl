@@ -18,18 +18,18 @@ void main() {
     if (item >= min(tied_needed, tied_capacity))
         return;
     uint pixel = tied_pixels[item];
-    uvec2 range = strata_ranges[pixel];
+    uvec2 range = strata_range_at(pixel);
     uvec2 k[SIZE];
     uint s[SIZE];
     uint next = range.x;
     for (uint i = 0u; i < range.y; ++i) {
 #if STRATA_LAYOUT == 1
         uint slot = next;
-        next = strata_links[slot].x;
+        next = strata_link_at(slot).x;
 #else
         uint slot = range.x + i;
 #endif
-        uvec2 key = strata_keys[slot];
+        uvec2 key = strata_key_at(slot);
         uint j = i;
         while (j > 0u && strata_before(key, k[j - 1u])) {
             k[j] = k[j - 1u];

@@ -17,6 +17,26 @@
 #define STRATA_FROM_PAIR(pair) (pair)
 #endif
 
+// Buffers that are only read: STRATA_READ(Name, TYPE) declares one of that type by index, STRATA_AT_TYPE(Name, i)
+// reads it. Software rasterisers gather texels as vectors, and take words of storage one by one.
+#ifdef STRATA_TEXELS
+#define STRATA_READ(Name, TYPE) uniform usamplerBuffer Name;
+#define STRATA_AT_UINT(Name, i) texelFetch(Name, int(i)).x
+#define STRATA_AT_UVEC2(Name, i)                                                                   \
+    uvec2(STRATA_AT_UINT(Name, 2u * (i)), STRATA_AT_UINT(Name, 2u * (i) + 1u))
+#define STRATA_AT_FLOAT(Name, i) uintBitsToFloat(STRATA_AT_UINT(Name, i))
+#define STRATA_AT_VEC2(Name, i) uintBitsToFloat(STRATA_AT_UVEC2(Name, i))
+#define STRATA_AT_VEC4(Name, i)                                                                    \
+    vec4(STRATA_AT_VEC2(Name, 2u * (i)), STRATA_AT_VEC2(Name, 2u * (i) + 1u))
+#else
+#define STRATA_READ(Name, TYPE) layout(std430) readonly buffer Name { TYPE Name##_at[]; };
+#define STRATA_AT_UINT(Name, i) Name##_at[i]
+#define STRATA_AT_UVEC2(Name, i) Name##_at[i]
+#define STRATA_AT_FLOAT(Name, i) Name##_at[i]
+#define STRATA_AT_VEC2(Name, i) Name##_at[i]
+#define STRATA_AT_VEC4(Name, i) Name##_at[i]
+#endif
+
 // STRATA_PARAMS { uint first; float second; } params;  -- the pass's parameters, std140, <= 128 bytes
 #ifdef VULKAN
 #define STRATA_PARAMS layout(push_constant, std140) uniform StrataParams

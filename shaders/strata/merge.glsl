@@ -19,8 +19,8 @@ void strata_merge(uint base, uint count, uint run, uint begin, uint end) {
     uint high = min(skip, middle - left);
     while (low < high) {
         uint a = (low + high) / 2u;
-        uvec2 key_a = strata_keys[STRATA_MERGE_FROM(base + left + a)];
-        uvec2 key_b = strata_keys[STRATA_MERGE_FROM(base + middle + skip - 1u - a)];
+        uvec2 key_a = strata_key_at(STRATA_MERGE_FROM(base + left + a));
+        uvec2 key_b = strata_key_at(STRATA_MERGE_FROM(base + middle + skip - 1u - a));
         if (strata_before(key_a, key_b))
             low = a + 1u;
         else
@@ -29,20 +29,20 @@ void strata_merge(uint base, uint count, uint run, uint begin, uint end) {
     uint a = left + low, b = middle + skip - low;
     uint slot_a = a < middle ? STRATA_MERGE_FROM(base + a) : 0u;
     uint slot_b = b < right ? STRATA_MERGE_FROM(base + b) : 0u;
-    uvec2 key_a = a < middle ? strata_keys[slot_a] : uvec2(STRATA_NO_KEY);
-    uvec2 key_b = b < right ? strata_keys[slot_b] : uvec2(STRATA_NO_KEY);
+    uvec2 key_a = a < middle ? strata_key_at(slot_a) : uvec2(STRATA_NO_KEY);
+    uvec2 key_b = b < right ? strata_key_at(slot_b) : uvec2(STRATA_NO_KEY);
     for (uint i = begin; i < min(end, right); ++i) {
         if (b >= right || (a < middle && strata_before(key_a, key_b))) {
             STRATA_MERGE_TO(base + i, slot_a);
             if (++a < middle) {
                 slot_a = STRATA_MERGE_FROM(base + a);
-                key_a = strata_keys[slot_a];
+                key_a = strata_key_at(slot_a);
             }
         } else {
             STRATA_MERGE_TO(base + i, slot_b);
             if (++b < right) {
                 slot_b = STRATA_MERGE_FROM(base + b);
-                key_b = strata_keys[slot_b];
+                key_b = strata_key_at(slot_b);
             }
         }
     }

@@ -63,6 +63,31 @@ struct StrataMaterial {
     uint transmission_texture;
 };
 
-layout(std430) readonly buffer StrataMaterials { StrataMaterial strata_materials[]; };
+STRATA_READ(StrataMaterials, StrataMaterial)
+
+StrataMaterial strata_material_at(uint i) {
+#ifdef STRATA_TEXELS
+    uint at = 20u * i, part = 5u * i;
+    vec4 factors = STRATA_AT_VEC4(StrataMaterials, part + 2u);
+    StrataMaterial material;
+    material.base_color = STRATA_AT_VEC4(StrataMaterials, part);
+    material.emissive = STRATA_AT_VEC4(StrataMaterials, part + 1u);
+    material.metallic = factors.x;
+    material.roughness = factors.y;
+    material.normal_scale = factors.z;
+    material.occlusion_strength = factors.w;
+    material.f0 = STRATA_AT_FLOAT(StrataMaterials, at + 12u);
+    material.transmission = STRATA_AT_FLOAT(StrataMaterials, at + 13u);
+    material.base_color_texture = STRATA_AT_UINT(StrataMaterials, at + 14u);
+    material.metallic_roughness_texture = STRATA_AT_UINT(StrataMaterials, at + 15u);
+    material.normal_texture = STRATA_AT_UINT(StrataMaterials, at + 16u);
+    material.occlusion_texture = STRATA_AT_UINT(StrataMaterials, at + 17u);
+    material.emissive_texture = STRATA_AT_UINT(StrataMaterials, at + 18u);
+    material.transmission_texture = STRATA_AT_UINT(StrataMaterials, at + 19u);
+    return material;
+#else
+    return StrataMaterials_at[i];
+#endif
+}
 
 #endif

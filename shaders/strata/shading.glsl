@@ -62,7 +62,7 @@ const uvec4 strata_in_more_textures = uvec4(STRATA_NO_INDEX, STRATA_NO_INDEX, 0u
 layout(location = 12) flat in uint strata_in_record;
 #endif
 #ifdef STRATA_HAS_PRIMITIVE_MAP
-layout(std430) readonly buffer StrataPrimitiveMap { uint strata_primitive_map[]; };
+STRATA_READ(StrataPrimitiveMap, uint)
 #endif
 
 bool strata_is(uint flag) { return (strata_in_ids.w & flag) != 0u; }
@@ -83,7 +83,7 @@ uint strata_primitive() {
 #endif
 #ifdef STRATA_HAS_PRIMITIVE_MAP
     if (strata_in_ids.z != STRATA_NO_INDEX)
-        id = strata_primitive_map[strata_in_ids.z + id];
+        id = STRATA_AT_UINT(StrataPrimitiveMap, strata_in_ids.z + id);
 #endif
     return strata_in_ids.y + id;
 }

@@ -27,8 +27,8 @@
     s[i] = 0u;                                                                                     \
     if (i < count) {                                                                               \
         s[i] = STRATA_SORT_FROM(from + i);                                                         \
-        k[i] = strata_keys[s[i]].x;                                                                \
-        o[i] = strata_keys[s[i]].y;                                                                \
+        k[i] = strata_key_at(s[i]).x;                                                              \
+        o[i] = strata_key_at(s[i]).y;                                                              \
     }
 #define STRATA_SORT_STORE(i)                                                                       \
     if (i < count)                                                                                 \

@@ -25,9 +25,10 @@ layout(early_fragment_tests) in;
 #include "strata/ordered.glsl"
 STRATA_ORDERED_FLOAT(0)
 #endif
-layout(std430) buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
-
 #if STRATA_LAYOUT == 1
+layout(std430) buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
+uint strata_pool_capacity() { return strata_capacity; }
+
 // The first of `count` slots. Beyond every capacity the counter stays there and never wraps.
 uint take_slots(uint count) {
     uint slot = atomicAdd(strata_needed, count);
@@ -55,12 +56,14 @@ uint next_slot() {
 uint take_slot(uint pixel) {
     uint slot = next_slot();
     atomicAdd(strata_ranges[pixel].y, 1u);
-    if (slot < strata_capacity)
+    if (slot < strata_pool_capacity())
         strata_links[slot] =
             STRATA_TO_PAIR(uvec2(atomicExchange(strata_ranges[pixel].x, slot), pixel));
     return slot;
 }
 #else
+#include "strata/pool.glsl"
+
 uint take_slot(uint pixel) {
 #ifdef STRATA_CURSORS
     uint slot = strata_cursor_slot(STRATA_ORDERED_LOAD(0).r);
@@ -77,7 +80,7 @@ void main() {
     if (!strata_surface(surface))
         discard;
     uint slot = take_slot(strata_pixel(uvec2(gl_FragCoord.xy)));
-    if (slot >= strata_capacity)
+    if (slot >= strata_pool_capacity())
         return;
     strata_keys[slot] =
         STRATA_TO_PAIR(uvec2(strata_key(gl_FragCoord.z), strata_order(surface.primitive)));

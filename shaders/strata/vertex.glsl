@@ -7,35 +7,35 @@
 #include "strata/math.glsl"
 #include "strata/transform.glsl"
 
-layout(std430) readonly buffer StrataPositions { float strata_positions[]; };
+STRATA_READ(StrataPositions, float)
 
 layout(location = 0) flat out uvec4 strata_out_ids; // material, primitive base and map, flags
 layout(location = 1) flat out vec4 strata_out_base_color;
 layout(location = 2) out vec3 strata_out_position;
 #ifdef STRATA_HAS_LIT
-layout(std430) readonly buffer StrataNormals { float strata_normals[]; };
+STRATA_READ(StrataNormals, float)
 layout(location = 3) out vec3 strata_out_normal;
 #ifdef STRATA_HAS_TANGENTS
-layout(std430) readonly buffer StrataTangents { vec4 strata_tangents[]; };
+STRATA_READ(StrataTangents, vec4)
 layout(location = 4) out vec4 strata_out_tangent;
 #endif
 #endif
 #ifdef STRATA_HAS_TEXTURES
 #ifdef STRATA_HAS_UV0
-layout(std430) readonly buffer StrataUv0 { vec2 strata_uv0[]; };
+STRATA_READ(StrataUv0, vec2)
 #endif
 #ifdef STRATA_HAS_UV1
-layout(std430) readonly buffer StrataUv1 { vec2 strata_uv1[]; };
+STRATA_READ(StrataUv1, vec2)
 #endif
 layout(location = 5) out vec4 strata_out_uv;
 #endif
 #ifdef STRATA_HAS_COLORS
-layout(std430) readonly buffer StrataColors { vec4 strata_colors[]; };
+STRATA_READ(StrataColors, vec4)
 layout(location = 6) out vec4 strata_out_color;
 #endif
 #ifdef STRATA_HAS_POINTS
 #ifdef STRATA_HAS_RADII
-layout(std430) readonly buffer StrataRadii { float strata_radii[]; };
+STRATA_READ(StrataRadii, float)
 #endif
 layout(location = 7) out vec2 strata_out_disc; // within the splat's disc: length <= 1; else 0
 #endif
@@ -63,8 +63,9 @@ const float STRATA_SPLAT_PIXELS = 1.5; // radius of a splat that has none of its
 
 vec3 strata_world_position(StrataRecord record, uint vertex) {
     uint at = (record.position + vertex) * 3u;
-    return strata_to_world(record, vec3(strata_positions[at], strata_positions[at + 1u],
-                                        strata_positions[at + 2u]));
+    return strata_to_world(record, vec3(STRATA_AT_FLOAT(StrataPositions, at),
+                                        STRATA_AT_FLOAT(StrataPositions, at + 1u),
+                                        STRATA_AT_FLOAT(StrataPositions, at + 2u)));
 }
 
 #ifdef STRATA_HAS_LIT
@@ -86,13 +87,15 @@ void strata_write_normal(StrataRecord record, uint vertex) {
     strata_out_normal = vec3(0.0);
     if ((record.flags & STRATA_RECORD_NORMALS) != 0u) {
         uint at = (record.normal + vertex) * 3u;
-        vec3 n = vec3(strata_normals[at], strata_normals[at + 1u], strata_normals[at + 2u]);
+        vec3 n =
+            vec3(STRATA_AT_FLOAT(StrataNormals, at), STRATA_AT_FLOAT(StrataNormals, at + 1u),
+                 STRATA_AT_FLOAT(StrataNormals, at + 2u));
         strata_out_normal = strata_world_normal(record, n, mirror);
     }
 #ifdef STRATA_HAS_TANGENTS
     strata_out_tangent = vec4(0.0);
     if ((record.flags & STRATA_RECORD_TANGENTS) != 0u) {
-        vec4 t = strata_tangents[record.tangent + vertex];
+        vec4 t = STRATA_AT_VEC4(StrataTangents, record.tangent + vertex);
         vec3 world = vec3(strata_dot(record.world[0].xyz, t.xyz),
                           strata_dot(record.world[1].xyz, t.xyz),
                           strata_dot(record.world[2].xyz, t.xyz));
@@ -108,7 +111,7 @@ void strata_expand_splat(StrataRecord record, uint vertex, vec2 corner, inout ve
                          inout vec4 clip) {
 #ifdef STRATA_HAS_RADII
     if ((record.flags & STRATA_RECORD_RADII) != 0u) {
-        float radius = strata_radii[record.radius + vertex] * record.scale;
+        float radius = STRATA_AT_FLOAT(StrataRadii, record.radius + vertex) * record.scale;
         vec3 right = vec3(strata_world_to_eye[0].x, strata_world_to_eye[1].x,
                           strata_world_to_eye[2].x);
         vec3 up = vec3(strata_world_to_eye[0].y, strata_world_to_eye[1].y,
@@ -145,7 +148,7 @@ void strata_write_material(StrataMaterial material) {
 }
 
 void main() {
-    StrataRecord record = strata_records[STRATA_INSTANCE];
+    StrataRecord record = strata_record_at(STRATA_INSTANCE);
     uint vertex = STRATA_VERTEX;
 #ifdef STRATA_HAS_POINTS
     bool splat = (record.flags & STRATA_RECORD_SPLATS) != 0u;
@@ -166,7 +169,7 @@ void main() {
 #ifdef STRATA_WANTS_RECORD
     strata_out_record = STRATA_INSTANCE;
 #endif
-    strata_write_material(strata_materials[record.material]);
+    strata_write_material(strata_material_at(record.material));
     strata_out_position = world;
 #ifdef STRATA_HAS_LIT
     strata_write_normal(record, vertex);
@@ -175,16 +178,16 @@ void main() {
     strata_out_uv = vec4(0.0);
 #ifdef STRATA_HAS_UV0
     if ((record.flags & STRATA_RECORD_UV0) != 0u)
-        strata_out_uv.xy = strata_uv0[record.uv0 + vertex];
+        strata_out_uv.xy = STRATA_AT_VEC2(StrataUv0, record.uv0 + vertex);
 #endif
 #ifdef STRATA_HAS_UV1
     if ((record.flags & STRATA_RECORD_UV1) != 0u)
-        strata_out_uv.zw = strata_uv1[record.uv1 + vertex];
+        strata_out_uv.zw = STRATA_AT_VEC2(StrataUv1, record.uv1 + vertex);
 #endif
 #endif
 #ifdef STRATA_HAS_COLORS
     strata_out_color = (record.flags & STRATA_RECORD_COLORS) != 0u
-                           ? strata_colors[record.color + vertex]
+                           ? STRATA_AT_VEC4(StrataColors, record.color + vertex)
                            : vec4(1.0);
 #endif
 }

@@ -41,6 +41,51 @@ static void test_double(void **state) {
         assert_int_equal(data[i], i < 250 ? ((2 * i * 7) * 2 + 1) * 2 + 2 : i * 7);
 }
 
+/* A buffer as texels: what the pass before wrote is read, as often as it is written. */
+static void test_words_as_texels(void **state) {
+    rig *r = backend_rig(state);
+    enum { COUNT = 1000 };
+    uint32_t found[COUNT];
+    if (gpu_fact(r->g, "limit.texels") < COUNT)
+        return;
+    strata_buffer words = rig_buffer(r, "words", sizeof found, NULL);
+    strata_buffer sums = rig_buffer(r, "sums", sizeof found, NULL);
+    strata_program write =
+        rig_program(r, STRATA_PROGRAM_COMPUTE,
+                    "layout(local_size_x = 64) in;\n"
+                    "layout(std430) writeonly buffer Words { uint words[]; };\n"
+                    "STRATA_PARAMS { uint count; uint add; } params;\n"
+                    "void main() {\n"
+                    "    uint i = gl_GlobalInvocationID.x;\n"
+                    "    if (i < params.count) words[i] = 0xfffffff0u + 3u * i + params.add;\n"
+                    "}\n");
+    strata_program add = rig_program(
+        r, STRATA_PROGRAM_COMPUTE,
+        "layout(local_size_x = 64) in;\n"
+        "uniform usamplerBuffer Words;\n"
+        "layout(std430) buffer Sums { uint sums[]; };\n"
+        "void main() {\n"
+        "    uint i = gl_GlobalInvocationID.x;\n"
+        "    if (i < uint(textureSize(Words))) sums[i] += texelFetch(Words, int(i)).x;\n"
+        "}\n");
+    const strata_bind binds[] = {rig_bind_buffer("Words", words), rig_bind_buffer("Sums", sums)};
+    gpu_begin(r->g, 1, 1);
+    for (uint32_t round = 0; round < 3; round++) {
+        const uint32_t params[2] = {COUNT, round};
+        rig_pass(r, (strata_pass){.program = write,
+                                  .groups = {16},
+                                  .binds = binds,
+                                  .bind_count = 1,
+                                  .params = params,
+                                  .params_size = sizeof params});
+        rig_pass(r, (strata_pass){.program = add, .groups = {16}, .binds = binds, .bind_count = 2});
+    }
+    rig_submit(r);
+    rig_read(r, sums, found, sizeof found);
+    for (uint32_t i = 0; i < COUNT; i++)
+        assert_int_equal(found[i], 3 * (0xfffffff0u + 3 * i) + 3);
+}
+
 static void test_params_of_128_bytes(void **state) {
     rig *r = backend_rig(state);
     uint32_t params[32], found[32];
@@ -480,6 +525,7 @@ static void test_clear_images(void **state) {
 
 const struct CMUnitTest storage_tests[] = {
     cmocka_unit_test(test_double),
+    cmocka_unit_test(test_words_as_texels),
     cmocka_unit_test(test_params_of_128_bytes),
     cmocka_unit_test(test_zeroed_and_written),
     cmocka_unit_test(test_many_small_buffers),

@@ -21,8 +21,9 @@
 #include "named.h"
 #include "render/render.h"
 
-static const char *const backends[] = {"vulkan", "gl", "vulkan lacks:ordered_attachments",
-                                       "gl lacks:ordered_attachments"};
+static const char *const backends[] = {"vulkan", "gl",
+                                       "vulkan lacks:ordered_attachments,lacks:device.software",
+                                       "gl lacks:ordered_attachments,lacks:device.software"};
 
 /* Every way to render that promises the same bits as the first. */
 static void all_ways(const test_scene *s) {

@@ -528,6 +528,7 @@ static const lesser_device lesser[] = {
     {"lacks:selftest.ordered_rmw", "gather", 0},
     {"lacks:ordered_attachments", "store", 0},
     {"lacks:feature.int64_atomics", "store", 0},
+    {"lacks:device.software", "store", 0},
     {"lacks:selftest.ordered_rmw,lacks:ordered_attachments", "chain", 0},
 };
 

@@ -27,6 +27,11 @@ static const strata_glsl image_source = {
     "void main() { color = texelFetch(plain, ivec2(0), 0) + imageLoad(stored, ivec2(0)); }\n",
     "image.glsl"};
 
+static const strata_glsl texels_source = {"layout(location = 0) out vec4 color;\n"
+                                          "uniform usamplerBuffer Values;\n"
+                                          "void main() { color = vec4(texelFetch(Values, 7)); }\n",
+                                          "texels.glsl"};
+
 static const strata_glsl replace_source = {
     "#include \"strata/ordered.glsl\"\n"
     "STRATA_ORDERED_FLOAT(0)\n"
@@ -67,6 +72,7 @@ int open_world(void **state) {
     w->fullscreen = make_program(f, STRATA_PROGRAM_FULLSCREEN, &color_source);
     w->writing = make_program(f, STRATA_PROGRAM_FULLSCREEN, &write_source);
     w->reading = make_program(f, STRATA_PROGRAM_FULLSCREEN, &image_source);
+    w->texels = make_program(f, STRATA_PROGRAM_FULLSCREEN, &texels_source);
     w->replacing = make_program(f, STRATA_PROGRAM_FULLSCREEN, &replace_source);
     w->scene = scene_program(f);
     w->count = 1;

@@ -12,7 +12,7 @@ typedef struct world {
     fixture f;
     strata_buffer values, extra, block;
     strata_image color, other, small, depth, layered, integer, srgb, multisampled;
-    strata_program compute, fullscreen, writing, reading, replacing, scene;
+    strata_program compute, fullscreen, writing, reading, texels, replacing, scene;
     strata_bind binds[3];
     uint32_t count;
     strata_pass dispatch; /* sound as it is; a test spoils one thing */

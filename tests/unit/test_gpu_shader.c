@@ -213,7 +213,7 @@ static void test_stages_share(void **state) {
                                 "layout(location = 0) out vec4 color;\n"
                                 "STRATA_PARAMS { vec4 scale; } params;\n"
                                 "void main() {\n"
-                                "    color = strata_materials[ids.x].base_color * params.scale *\n"
+                                "    color = strata_material_at(ids.x).base_color * params.scale *\n"
                                 "            strata_background;\n"
                                 "}\n",
                                 "share.glsl"};

@@ -146,9 +146,9 @@ static void test_scene(void **state) {
     static const strata_glsl source = {
         "#include \"strata/frame.glsl\"\n"
         "layout(location = 0) flat in uvec4 ids;\n"
-        "layout(std430) readonly buffer StrataPositions { float strata_positions[]; };\n"
+        "STRATA_READ(StrataPositions, float)\n"
         "layout(std430) writeonly buffer Own { float own[]; };\n"
-        "void main() { own[ids.x] = strata_background.x + strata_positions[0]; }\n",
+        "void main() { own[ids.x] = strata_background.x + STRATA_AT_FLOAT(StrataPositions, 0); }\n",
         "scene.glsl"};
     fixture *f = *state;
     for (int vulkan_target = 0; vulkan_target < 2; vulkan_target++) {

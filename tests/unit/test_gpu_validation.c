@@ -244,6 +244,30 @@ static void test_ranges(void **state) {
     assert_int_equal(gpu_last_code(w->f.g), GPU_ERROR_BUFFER_RANGE);
 }
 
+/* Behind a usamplerBuffer stands a whole buffer, no image, and no more words than it reads. */
+static void test_texels(void **state) {
+    world *w = *state;
+    const uint64_t limit = gpu_fact(w->f.g, "limit.texels");
+    w->draw.program = w->texels;
+    w->draw.binds = w->binds;
+    w->draw.bind_count = 1;
+    accepted(w, &w->draw);
+    assert_int_equal(gpu_submit(w->f.g, &w->f.err), STRATA_OK);
+    w->binds[0].size = 4096;
+    accepted(w, &w->draw);
+    assert_int_equal(gpu_submit(w->f.g, &w->f.err), STRATA_OK);
+    w->binds[0].size = 256;
+    refused(w, &w->draw, GPU_ERROR_BUFFER_RANGE, "256 at 0");
+    w->binds[0].size = 0;
+    w->binds[0].offset = 256;
+    refused(w, &w->draw, GPU_ERROR_BUFFER_RANGE, "3840 at 256");
+    w->binds[0] = bind_buffer("Values", make_buffer(&w->f, "many", 4 * limit + 4));
+    refused(w, &w->draw, GPU_ERROR_BUFFER_LIMIT, "many");
+    w->binds[0] =
+        (strata_bind){.struct_size = sizeof(strata_bind), .name = "Values", .image = w->integer};
+    refused(w, &w->draw, GPU_ERROR_BIND_KIND, "integer");
+}
+
 static void test_limits(void **state) {
     world *w = *state;
     uint64_t limit = gpu_fact(w->f.g, "limit.storage_range");
@@ -528,6 +552,7 @@ int main(void) {
         IN_WORLD(test_globals),
         IN_WORLD(test_params),
         IN_WORLD(test_ranges),
+        IN_WORLD(test_texels),
         IN_WORLD(test_limits),
         IN_WORLD(test_attachments),
         IN_WORLD(test_outputs),

@@ -52,6 +52,20 @@ uint32_t gl_displays(EGLDisplay displays[GPU_GL_MAX_DEVICES]) {
     return count;
 }
 
+int gl_is_software(const gl *g) {
+    PFNEGLQUERYDISPLAYATTRIBEXTPROC query_display =
+        (PFNEGLQUERYDISPLAYATTRIBEXTPROC)eglGetProcAddress("eglQueryDisplayAttribEXT");
+    PFNEGLQUERYDEVICESTRINGEXTPROC query_device =
+        (PFNEGLQUERYDEVICESTRINGEXTPROC)eglGetProcAddress("eglQueryDeviceStringEXT");
+    const char *client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+    EGLAttrib device = 0;
+    if (!text_has_word(client, "EGL_EXT_device_query") || !query_display || !query_device ||
+        !query_display(g->display, EGL_DEVICE_EXT, &device))
+        return 0;
+    return text_has_word(query_device((EGLDeviceEXT)device, EGL_EXTENSIONS),
+                         "EGL_MESA_device_software");
+}
+
 static void current_save(gl_saved *saved) {
     saved->api = eglQueryAPI();
     eglBindAPI(EGL_OPENGL_API);

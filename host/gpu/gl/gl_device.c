@@ -98,6 +98,8 @@ static void caps_fill(const gl *g, gpu_backend_caps *caps) {
     device_text(g, caps->name, caps->driver);
     g->fn.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &range);
     caps->storage_range = (uint64_t)range;
+    caps->texels = (uint64_t)integer_of(g, GL_MAX_TEXTURE_BUFFER_SIZE);
+    caps->software = (uint32_t)gl_is_software(g);
     if (gl_has(g, "GL_NVX_gpu_memory_info"))
         caps->memory = (uint64_t)integer_of(g, GL_GPU_MEMORY_INFO_DEDICATED_VIDMEM_NVX) * 1024u;
     caps->image_size = (uint32_t)integer_of(g, GL_MAX_TEXTURE_SIZE);

@@ -95,6 +95,7 @@
     X(STENCILFUNC, StencilFunc)                                                                    \
     X(STENCILMASK, StencilMask)                                                                    \
     X(STENCILOP, StencilOp)                                                                        \
+    X(TEXTUREBUFFER, TextureBuffer)                                                                \
     X(TEXTUREPARAMETERI, TextureParameteri)                                                        \
     X(TEXTURESTORAGE2D, TextureStorage2D)                                                          \
     X(TEXTURESTORAGE2DMULTISAMPLE, TextureStorage2DMultisample)                                    \

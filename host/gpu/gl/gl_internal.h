@@ -27,6 +27,7 @@ typedef struct gl_format {
 
 typedef struct gl_buffer {
     GLuint name;
+    GLuint texels; /* a texture of its words; made when first bound as such */
     uint64_t size;
 } gl_buffer;
 
@@ -104,6 +105,7 @@ typedef struct gl {
 /* gl_context.c: displays, the context, and its being current. */
 
 /* Displays that an instance could live on, in order of preference; returns how many. */
+int gl_is_software(const gl *g); /* whether its display's device is the host's processor */
 uint32_t gl_displays(EGLDisplay displays[GPU_GL_MAX_DEVICES]);
 /* Makes the context on `display` and loads the functions. On success the caller is inside gl_enter.
  */

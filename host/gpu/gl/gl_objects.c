@@ -68,6 +68,7 @@ void gl_buffer_destroy(void *self, void *native) {
     gl *g = self;
     gl_buffer *buffer = native;
     if (buffer && gl_enter(g, NULL) == STRATA_OK) {
+        g->fn.DeleteTextures(1, &buffer->texels);
         g->fn.DeleteBuffers(1, &buffer->name);
         gl_leave(g);
     }
@@ -212,8 +213,7 @@ GLuint gl_link(gl *g, const GLuint *shaders, uint32_t count, const char *label, 
 static strata_result bindings_check(const gl *g, const gpu_program_info *info, base_error *err) {
     for (uint32_t i = 0; i < info->binding_count; i++) {
         const gpu_binding *binding = &info->bindings[i];
-        gpu_binding_kind kind =
-            binding->kind == GPU_BINDING_PARAMS ? GPU_BINDING_UNIFORM : binding->kind;
+        const gpu_binding_kind kind = gpu_group(binding->kind);
         if (binding->binding >= (uint32_t)g->limits[kind])
             return base_fail(err, STRATA_ERROR_SHADER,
                              "gl: program %s: %s is one resource of its kind too many (limit %d)",

@@ -81,7 +81,7 @@ static void params_bind(gl *g, const gl_program *program, const strata_pass *pas
 
 static void resource_bind(gl *g, const gpu_native_bind *bind) {
     const gpu_binding *binding = bind->binding;
-    const gl_buffer *buffer = bind->native;
+    gl_buffer *buffer = bind->native;
     const gl_image *image = bind->native;
     GLenum access = GL_READ_WRITE;
     switch (binding->kind) {
@@ -93,6 +93,13 @@ static void resource_bind(gl *g, const gpu_native_bind *bind) {
         break;
     case GPU_BINDING_SAMPLED:
         g->fn.BindTextureUnit(binding->binding, image->name);
+        break;
+    case GPU_BINDING_TEXELS:
+        if (!buffer->texels) {
+            g->fn.CreateTextures(GL_TEXTURE_BUFFER, 1, &buffer->texels);
+            g->fn.TextureBuffer(buffer->texels, GL_R32UI, buffer->name);
+        }
+        g->fn.BindTextureUnit(binding->binding, buffer->texels);
         break;
     case GPU_BINDING_STORAGE_IMAGE:
         if (!(binding->access & GPU_ACCESS_STORAGE_WRITE))

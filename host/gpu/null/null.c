@@ -48,6 +48,7 @@ static strata_result null_open(const gpu_open_info *info, void **self, gpu_backe
     if (!device)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "no memory");
     *caps = (gpu_backend_caps){.storage_range = UINT64_C(128) << 20,
+                               .texels = UINT64_C(32) << 20,
                                .storage_blocks = 16,
                                .image_size = 16384,
                                .groups = 65535,

@@ -96,6 +96,8 @@ static void read_limits(vk *v, gpu_backend_caps *caps, uint8_t uuid[VK_UUID_SIZE
     snprintf(caps->name, sizeof caps->name, "%s", all.properties.deviceName);
     vk_driver_text(v->physical, caps->driver, sizeof caps->driver);
     caps->storage_range = smaller(limits->maxStorageBufferRange, v->allocation_limit);
+    caps->texels = limits->maxTexelBufferElements;
+    caps->software = all.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
     for (uint32_t i = 0; i < v->memory.memoryHeapCount; i++)
         if ((v->memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) &&
             v->memory.memoryHeaps[i].size > caps->memory)

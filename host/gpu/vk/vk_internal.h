@@ -37,6 +37,7 @@ typedef enum vk_memory_use {
 
 typedef struct vk_buffer {
     VkBuffer handle;
+    VkBufferView texels; /* its words; made when first bound as such */
     VkDeviceSize size;
     vk_memory memory;
 } vk_buffer;

@@ -163,9 +163,10 @@ strata_result vk_buffer_init(vk *v, VkDeviceSize size, vk_memory_use use, vk_buf
     const VkBufferCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
         .size = size,
-        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
-                 VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
-                 VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+        .usage = VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                 VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT |
+                 VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                 VK_BUFFER_USAGE_TRANSFER_DST_BIT};
     VkMemoryRequirements needs;
     *out = (vk_buffer){.size = size};
     if (size > v->allocation_limit)
@@ -187,6 +188,7 @@ strata_result vk_buffer_init(vk *v, VkDeviceSize size, vk_memory_use use, vk_buf
 }
 
 void vk_buffer_release(vk *v, vk_buffer *buffer) {
+    vkDestroyBufferView(v->device, buffer->texels, NULL);
     vkDestroyBuffer(v->device, buffer->handle, NULL);
     vk_memory_free(v, &buffer->memory);
     *buffer = (vk_buffer){0};

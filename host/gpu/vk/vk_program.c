@@ -21,6 +21,8 @@ VkDescriptorType vk_descriptor_type(gpu_binding_kind kind) {
         return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
     case GPU_BINDING_STORAGE_IMAGE:
         return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+    case GPU_BINDING_TEXELS:
+        return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
     case GPU_BINDING_ATTACHMENT:
         return VK_DESCRIPTOR_TYPE_INPUT_ATTACHMENT;
     case GPU_BINDING_STORAGE:
@@ -41,6 +43,7 @@ static strata_result check_counts(const vk *v, const gpu_program_info *info, bas
         [GPU_BINDING_SAMPLED] = {v->limits.maxPerStageDescriptorSamplers, "samplers"},
         [GPU_BINDING_STORAGE_IMAGE] = {v->limits.maxPerStageDescriptorStorageImages,
                                        "storage images"},
+        [GPU_BINDING_TEXELS] = {v->limits.maxPerStageDescriptorSampledImages, "buffers of texels"},
         [GPU_BINDING_PARAMS] = {1, "parameter blocks"},
         [GPU_BINDING_ATTACHMENT] = {v->limits.maxPerStageDescriptorInputAttachments,
                                     "attachments that are read"}};

@@ -85,6 +85,15 @@ static void record_barriers(VkCommandBuffer commands, const gpu_barrier *barrier
 
 /* ---- what a pass binds ------------------------------------------------------------------ */
 
+static VkResult texels_of(vk *v, vk_buffer *buffer) {
+    const VkBufferViewCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
+                                         .buffer = buffer->handle,
+                                         .format = VK_FORMAT_R32_UINT,
+                                         .range = VK_WHOLE_SIZE};
+    return buffer->texels ? VK_SUCCESS
+                          : vkCreateBufferView(v->device, &info, NULL, &buffer->texels);
+}
+
 static strata_result bind_resources(vk *v, const vk_program *program, const gpu_native_pass *pass,
                                     VkDescriptorSet *out, base_error *err) {
     VkWriteDescriptorSet writes[GPU_VK_MAX_BINDINGS];
@@ -109,6 +118,15 @@ static strata_result bind_resources(vk *v, const vk_program *program, const gpu_
                                         .descriptorType = vk_descriptor_type(bind->binding->kind),
                                         .pImageInfo = &images[count],
                                         .pBufferInfo = &buffers[count]};
+        if (bind->binding->kind == GPU_BINDING_TEXELS) {
+            vk_buffer *buffer = bind->native;
+            strata_result result = vk_fail(v, texels_of(v, buffer), err, "a buffer's texels");
+            if (result != STRATA_OK)
+                return result;
+            write->pTexelBufferView = &buffer->texels;
+            count++;
+            continue;
+        }
         if (bind->binding->kind == GPU_BINDING_UNIFORM ||
             bind->binding->kind == GPU_BINDING_STORAGE)
             buffers[count] = (VkDescriptorBufferInfo){((const vk_buffer *)bind->native)->handle,

@@ -76,7 +76,8 @@ static VkResult grow_descriptors(vk *v) {
         {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 8 * SETS_PER_POOL},
         {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 4 * SETS_PER_POOL},
         {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 4 * SETS_PER_POOL},
-        {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 4 * SETS_PER_POOL}};
+        {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 4 * SETS_PER_POOL},
+        {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 4 * SETS_PER_POOL}};
     const VkDescriptorPoolCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                              .maxSets = SETS_PER_POOL,
                                              .poolSizeCount = BASE_COUNT(sizes),
