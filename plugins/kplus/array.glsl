@@ -9,9 +9,7 @@
 #ifdef TEXELS
 layout(r32ui) uniform uimage2DArray placed_keys;
 
-ivec3 place_texel(uint pixel, uint place) {
-    return ivec3(strata_position(pixel) - strata_band.xy, place);
-}
+ivec3 place_texel(uint place) { return ivec3(uvec2(gl_FragCoord.xy) - strata_band.xy, place); }
 #define KEY(place) imageLoad(placed_keys, ivec3(texel, place)).x
 #else
 #define KEY(place) key_at(slots.x + (place)).x
@@ -25,7 +23,7 @@ uint farthest_place(uint pixel, uvec2 slots, uvec2 record, out uvec2 farthest) {
     farthest = uvec2(0u);
     other_key = 0u;
 #ifdef TEXELS
-    ivec2 texel = place_texel(pixel, 0u).xy;
+    ivec2 texel = place_texel(0u).xy;
 #endif
     for (uint i = 0u; i < slots.y; ++i) {
         uint key = KEY(i);

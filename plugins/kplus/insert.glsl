@@ -49,7 +49,7 @@ void store_record(uint pixel, uvec2 slots, uint place, uvec2 record, StrataPaylo
     strata_keys[slots.x + place] = STRATA_TO_PAIR(record);
     strata_payload_store(slots.x + place, payload);
 #ifdef TEXELS
-    imageStore(placed_keys, place_texel(pixel, place), uvec4(record.x));
+    imageStore(placed_keys, place_texel(place), uvec4(record.x));
 #endif
 }
 
