@@ -35,8 +35,15 @@ static int check_buffer_range(gpu *g, const gpu_binding *binding, const gpu_obje
     uint64_t limit = texels                                 ? g->caps.texels * 4
                      : binding->kind == GPU_BINDING_UNIFORM ? GPU_MAX_UNIFORM
                                                             : g->caps.storage_range;
-    if ((texels && (offset || size != object->buffer.size)) || offset > object->buffer.size ||
-        size > object->buffer.size - offset || size == 0 || offset % 256 || size < binding->size) {
+    if (texels && (offset || size != object->buffer.size)) {
+        gpu_record_fail(g, GPU_ERROR_BUFFER_RANGE,
+                        "'%s': buffer '%s', %llu bytes at %llu; a usamplerBuffer reads all of it",
+                        binding->name, object->label, (unsigned long long)size,
+                        (unsigned long long)offset);
+        return 0;
+    }
+    if (offset > object->buffer.size || size > object->buffer.size - offset || size == 0 ||
+        offset % 256 || size < binding->size) {
         gpu_record_fail(g, GPU_ERROR_BUFFER_RANGE,
                         "'%s': buffer '%s' of %llu bytes, %llu at %llu; the block has %u",
                         binding->name, object->label, (unsigned long long)object->buffer.size,

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Rewrites a SPIR-V module's resources: writes the binding numbers that the host chose and takes
- * out the buffers, images and blocks that the shader declares (in a shared header, say) but never
- * uses, so that neither driver limits nor layouts see them. Word format: SPIR-V specification, 2.3.
+ * Rewrites a SPIR-V module's resources: writes the bindings and locations that the host chose and
+ * takes out the buffers, images and blocks that the shader declares (in a shared header, say) but
+ * never uses, so that neither driver limits nor layouts see them. Word format: SPIR-V
+ * specification, 2.3.
  */
 #include "gpu/gpu_internal.h"
 

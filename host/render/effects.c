@@ -196,8 +196,8 @@ static void add_calls(base_text *text, const plan *p, int certify) {
                             "    return strata_event_within(payload, within);\n}\n");
 }
 
-/* STRATA_PAYLOAD_ACCESS: how the program touches the planes (coherent, for one), in place of what
- * follows from reading or writing alone. */
+/* STRATA_PAYLOAD_ACCESS: how a program that writes touches the planes (coherent, for one), in place
+ * of what follows from reading and writing alone. */
 static void add_planes(base_text *text, const plan_payload *payload) {
     base_text_add(text, "#ifdef STRATA_PAYLOAD_WRITE\n"
                         "#ifndef STRATA_PAYLOAD_ACCESS\n#ifdef STRATA_PAYLOAD_READ\n"

@@ -18,7 +18,7 @@ ivec3 place_texel(uint place) { return ivec3(uvec2(gl_FragCoord.xy) - strata_ban
 uint other_key; // the farthest of the others, as the walk found it
 
 // Of all records of a full pixel: the farthest and its place. Orders are read where they decide.
-uint farthest_place(uint pixel, uvec2 slots, uvec2 record, out uvec2 farthest) {
+uint farthest_place(uvec2 slots, uvec2 record, out uvec2 farthest) {
     uint place = 0u;
     farthest = uvec2(0u);
     other_key = 0u;

@@ -11,7 +11,6 @@
 #include "strata/totals.glsl"
 #include "strata/pool.glsl"
 
-
 #ifdef CHAIN_COUNTS
 uint count_of(uint pixel) { return chain_below(slots_of(pixel), NO_VALUE); }
 #else

@@ -60,7 +60,7 @@ uvec2 place_record(uint pixel, uvec2 cell, uvec2 record, StrataPayload payload) 
     bool full = cell.x != STRATA_NO_KEY;
     if (full) {
         uvec2 farthest;
-        place = farthest_place(pixel, slots, record, farthest);
+        place = farthest_place(slots, record, farthest);
         if (strata_before(farthest, record)) {
             strata_lose(pixel, payload);
             return cell;

@@ -6,7 +6,6 @@
 #include "strata/scan.glsl"
 #include "strata/pool.glsl"
 
-
 void main() {
     uint slot = strata_item();
     if (slot < min(strata_pool_needed(), strata_pool_capacity()))

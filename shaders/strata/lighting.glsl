@@ -53,7 +53,7 @@ precise vec3 strata_shading_normal(StrataSlopes slopes) {
     if (map != STRATA_NO_INDEX) {
         vec3 bump = strata_sample(map, STRATA_LINEAR, slopes.uv).xyz * 2.0 - 1.0;
         bump.xy *= uintBitsToFloat(strata_in_more_textures.z);
-        vec3 bent = strata_unit(strata_bend(strata_textures[map], slopes, normal, bump));
+        vec3 bent = strata_unit(strata_bend(strata_texture_at(map), slopes, normal, bump));
         normal = bent == vec3(0.0) ? normal : bent;
     }
 #endif

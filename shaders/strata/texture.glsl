@@ -20,8 +20,24 @@ struct StrataTexture {
     uint reserved[2];
 };
 
-layout(std430) readonly buffer StrataTextures { StrataTexture strata_textures[]; };
-layout(std430) readonly buffer StrataTexels { uvec2 strata_texels[]; }; // x | y << 16, page
+STRATA_READ(StrataTextures, StrataTexture)
+STRATA_READ(StrataTexels, uvec2) // x | y << 16, page
+
+StrataTexture strata_texture_at(uint i) {
+#ifdef STRATA_TEXELS
+    StrataTexture t;
+    t.scale_rotate = STRATA_AT_VEC4(StrataTextures, 3u * i);
+    t.offset = STRATA_AT_VEC2(StrataTextures, 6u * i + 2u);
+    t.size = STRATA_AT_UINT(StrataTextures, 12u * i + 6u);
+    t.flags = STRATA_AT_UINT(StrataTextures, 12u * i + 7u);
+    t.levels = STRATA_AT_UINT(StrataTextures, 12u * i + 8u);
+    t.first_level = STRATA_AT_UINT(StrataTextures, 12u * i + 9u);
+    return t;
+#else
+    return StrataTextures_at[i];
+#endif
+}
+
 #ifdef STRATA_HAS_SRGB
 uniform sampler2DArray strata_atlas_srgb;
 #endif
@@ -66,7 +82,7 @@ int strata_wrap_texel(int i, int size, uint mode) {
 vec4 strata_filter(StrataTexture t, bool srgb, int level, bool linear, vec2 uv) {
     uint wrap_u = (t.flags >> 5) & 3u, wrap_v = (t.flags >> 7) & 3u;
     ivec2 size = max(ivec2(t.size & 0xffffu, t.size >> 16) >> level, ivec2(1));
-    uvec2 place = strata_texels[t.first_level + uint(level)];
+    uvec2 place = STRATA_AT_UVEC2(StrataTexels, t.first_level + uint(level));
     ivec2 corner = ivec2(place.x & 0xffffu, place.x >> 16);
     int page = int(place.y);
     precise vec2 at = vec2(strata_wrap(uv.x, wrap_u), strata_wrap(uv.y, wrap_v)) * vec2(size);
@@ -100,7 +116,7 @@ precise vec2 strata_transform(StrataTexture t, vec2 uv) {
 }
 
 vec4 strata_sample(uint index, bool srgb, StrataUv uv) {
-    StrataTexture t = strata_textures[index];
+    StrataTexture t = strata_texture_at(index);
     bool second = (t.flags & 1u) != 0u;
     precise vec2 at = strata_transform(t, second ? uv.at.zw : uv.at.xy) + t.offset;
     vec2 dx = strata_transform(t, second ? uv.dx.zw : uv.dx.xy);

@@ -21,9 +21,8 @@
 #include "named.h"
 #include "render/render.h"
 
-static const char *const backends[] = {"vulkan", "gl",
-                                       "vulkan lacks:ordered_attachments,lacks:device.software",
-                                       "gl lacks:ordered_attachments,lacks:device.software"};
+static const char *const backends[] = {"vulkan", "gl", "vulkan lacks:ordered_attachments",
+                                       "gl lacks:ordered_attachments"};
 
 /* Every way to render that promises the same bits as the first. */
 static void all_ways(const test_scene *s) {

@@ -257,10 +257,10 @@ static void test_texels(void **state) {
     accepted(w, &w->draw);
     assert_int_equal(gpu_submit(w->f.g, &w->f.err), STRATA_OK);
     w->binds[0].size = 256;
-    refused(w, &w->draw, GPU_ERROR_BUFFER_RANGE, "256 at 0");
+    refused(w, &w->draw, GPU_ERROR_BUFFER_RANGE, "256 bytes at 0; a usamplerBuffer");
     w->binds[0].size = 0;
     w->binds[0].offset = 256;
-    refused(w, &w->draw, GPU_ERROR_BUFFER_RANGE, "3840 at 256");
+    refused(w, &w->draw, GPU_ERROR_BUFFER_RANGE, "3840 bytes at 256");
     w->binds[0] = bind_buffer("Values", make_buffer(&w->f, "many", 4 * limit + 4));
     refused(w, &w->draw, GPU_ERROR_BUFFER_LIMIT, "many");
     w->binds[0] =

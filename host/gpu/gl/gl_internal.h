@@ -82,7 +82,7 @@ typedef struct gl {
     base_error failure; /* of recording; returned by submit */
     char message[400];  /* the driver's first complaint since the last report */
     const char *where;  /* what is being executed, for the driver's messages */
-    GLint limits[4];    /* binding points by gpu_binding_kind */
+    GLint limits[GPU_BINDING_STORAGE_IMAGE + 1]; /* binding points by gpu_group */
 
     GLuint vertex_array, bare_target; /* a draw needs one; framebuffer without attachments */
     uint32_t bare_width, bare_height;
@@ -105,8 +105,8 @@ typedef struct gl {
 /* gl_context.c: displays, the context, and its being current. */
 
 /* Displays that an instance could live on, in order of preference; returns how many. */
-int gl_is_software(const gl *g); /* whether its display's device is the host's processor */
 uint32_t gl_displays(EGLDisplay displays[GPU_GL_MAX_DEVICES]);
+int gl_is_software(const gl *g); /* whether its display's device is the host's processor */
 /* Makes the context on `display` and loads the functions. On success the caller is inside gl_enter.
  */
 strata_result gl_context_create(gl *g, EGLDisplay display, base_error *err);

@@ -32,6 +32,13 @@ VkDescriptorType vk_descriptor_type(gpu_binding_kind kind) {
     return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
 
+static strata_result fail_count(const gpu_program_info *info, uint32_t most, const char *name,
+                                base_error *err) {
+    return base_fail(err, STRATA_ERROR_UNSUPPORTED,
+                     "vulkan: program \"%.100s\" has more than the device's %u %s", info->label,
+                     most, name);
+}
+
 static strata_result check_counts(const vk *v, const gpu_program_info *info, base_error *err) {
     uint32_t counts[GPU_BINDING_ATTACHMENT + 1] = {0};
     const struct {
@@ -50,10 +57,11 @@ static strata_result check_counts(const vk *v, const gpu_program_info *info, bas
     for (uint32_t i = 0; i < info->binding_count; i++) {
         const gpu_binding_kind kind = info->bindings[i].kind;
         if (++counts[kind] > limits[kind].most)
-            return base_fail(err, STRATA_ERROR_UNSUPPORTED,
-                             "vulkan: program \"%.100s\" has more than the device's %u %s",
-                             info->label, limits[kind].most, limits[kind].name);
+            return fail_count(info, limits[kind].most, limits[kind].name, err);
     }
+    const uint32_t images = v->limits.maxPerStageDescriptorSampledImages;
+    if (counts[GPU_BINDING_SAMPLED] + counts[GPU_BINDING_TEXELS] > images)
+        return fail_count(info, images, "samplers and buffers of texels", err);
     if (info->binding_count > GPU_VK_MAX_BINDINGS ||
         info->params_size > v->limits.maxPushConstantsSize)
         return base_fail(err, STRATA_ERROR_UNSUPPORTED,
