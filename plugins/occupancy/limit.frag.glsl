@@ -6,13 +6,14 @@
 #include "buckets.glsl"
 
 uniform sampler2D depth_image;
-layout(std430) readonly buffer Mask { uint mask[]; };
+uniform usampler2DArray mask;
 
 // The bucket of the k-th set bit; false when fewer are set.
 bool find_bucket(uvec2 position, out uint bucket) {
-    uint first = strata_pixel(position) * OCCUPANCY_WORDS, left = OCCUPANCY_NEAREST;
+    ivec2 texel = ivec2(position - strata_band.xy);
+    uint left = OCCUPANCY_NEAREST;
     for (uint i = 0u; i < OCCUPANCY_WORDS; ++i) {
-        uint word = mask[first + i], count = uint(bitCount(word));
+        uint word = texelFetch(mask, ivec3(texel, i), 0).x, count = uint(bitCount(word));
         if (count >= left) {
             for (; left > 1u; --left)
                 word &= word - 1u; // Kernighan: drops the lowest set bit

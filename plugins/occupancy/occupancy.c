@@ -4,7 +4,7 @@
  * (Vasilakis and Papaioannou 2015).
  *
  *   range -> tiles   how a tile of pixels divides its depths into S buckets
- *   mask             one bit for each bucket that holds a fragment
+ *   clear, mask      one bit for each bucket that holds a fragment
  *   limit            the far edge of the bucket with the k-th bit becomes limit/1
  *   sums, lost       what that hides: its number, and where a certificate is asked for its light
  *
@@ -26,18 +26,19 @@ enum { TILE = 8, MAX_BUCKETS = 1024 }; /* TILE: as in buckets.glsl */
 typedef struct occupancy {
     const strata_gpu *gpu;
     uint32_t nearest, certify, words, tiles_x, tiles_y;
+    uint32_t ordered; /* 1: plain accesses of a pixel's fragments are in order */
     strata_draws draws;
-    strata_image depth, range, tiles, count, limit;
-    strata_buffer mask, totals;
-    strata_program range_program, tiles_program, mask_program, limit_program, sums_program,
-        lost_program; /* lost_program: where a certificate is asked for */
+    strata_image depth, range, tiles, mask, count, limit;
+    strata_buffer totals;
+    strata_program range_program, tiles_program, clear_program, mask_program, limit_program,
+        sums_program, lost_program; /* lost_program: where a certificate is asked for */
 } occupancy;
 
 static strata_result program(const occupancy *o, uint32_t kind, const char *label,
                              const strata_glsl *source, strata_program *out) {
     static const strata_glsl *const includes[] = {&buckets_glsl, NULL};
     char words[48], nearest[48];
-    const char *const defines[] = {words, nearest};
+    const char *const defines[] = {words, nearest, "ORDERED"};
     snprintf(words, sizeof words, "OCCUPANCY_WORDS=%uu", o->words);
     snprintf(nearest, sizeof nearest, "OCCUPANCY_NEAREST=%uu", o->nearest);
     return o->gpu->program_create(o->gpu->self,
@@ -46,14 +47,16 @@ static strata_result program(const occupancy *o, uint32_t kind, const char *labe
                                                          .label = label,
                                                          .source = source,
                                                          .defines = defines,
-                                                         .define_count = 2,
+                                                         .define_count = 2 + o->ordered,
                                                          .includes = includes},
                                   out);
 }
 
 static strata_result create(void *state, const strata_host *host, const strata_gpu *gpu) {
     (void)host;
-    ((occupancy *)state)->gpu = gpu;
+    occupancy *o = state;
+    o->gpu = gpu;
+    o->ordered = gpu->fact(gpu->self, "selftest.ordered_rmw") != 0;
     return STRATA_OK;
 }
 
@@ -68,7 +71,6 @@ static uint32_t mask_words(const strata_settings *settings, uint32_t nearest, do
 }
 
 static strata_result create_storage(occupancy *o, const strata_view *view) {
-    const uint64_t pixels = (uint64_t)view->band_width * view->band_height;
     o->tiles_x = (view->width + TILE - 1) / TILE;
     o->tiles_y = (view->height + TILE - 1) / TILE;
     strata_result r = create_image(o->gpu, "depth range", STRATA_FORMAT_RGBA32F, o->tiles_x,
@@ -80,7 +82,14 @@ static strata_result create_storage(occupancy *o, const strata_view *view) {
     if (r == STRATA_OK)
         r = create_image(o->gpu, "tiles", STRATA_FORMAT_RGBA32U, o->tiles_x, o->tiles_y, &o->tiles);
     if (r == STRATA_OK)
-        r = create_buffer(o->gpu, "mask", pixels * o->words * 4, &o->mask);
+        r = o->gpu->image_create(o->gpu->self,
+                                 &(strata_image_desc){.struct_size = sizeof(strata_image_desc),
+                                                      .label = "mask",
+                                                      .format = STRATA_FORMAT_R32U,
+                                                      .width = view->band_width,
+                                                      .height = view->band_height,
+                                                      .layers = o->words},
+                                 &o->mask);
     if (r == STRATA_OK)
         r = create_buffer(o->gpu, "totals", sizeof(counting_totals), &o->totals);
     return r;
@@ -91,6 +100,8 @@ static strata_result create_programs(occupancy *o) {
         program(o, STRATA_PROGRAM_SCENE, "range", &range_frag_glsl, &o->range_program);
     if (r == STRATA_OK)
         r = program(o, STRATA_PROGRAM_COMPUTE, "tiles", &tiles_comp_glsl, &o->tiles_program);
+    if (r == STRATA_OK)
+        r = program(o, STRATA_PROGRAM_FULLSCREEN, "clear", &clear_frag_glsl, &o->clear_program);
     if (r == STRATA_OK)
         r = program(o, STRATA_PROGRAM_SCENE, "mask", &mask_frag_glsl, &o->mask_program);
     if (r == STRATA_OK)
@@ -146,8 +157,17 @@ static void record_tiles(const occupancy *o, const strata_frame *frame) {
 }
 
 static void record_mask(const occupancy *o, const strata_frame *frame) {
-    const strata_bind bound[] = {bind_image("tiles", o->tiles), bind_buffer("Mask", o->mask)};
-    frame->fill(frame->self, o->mask, 0, 0, 0);
+    const strata_bind bound[] = {bind_image("tiles", o->tiles), bind_image("mask", o->mask)};
+    frame->pass(
+        frame->self,
+        &(strata_pass){.struct_size = sizeof(strata_pass),
+                       .label = "clear",
+                       .program = o->clear_program,
+                       .color = &(strata_attachment){.struct_size = sizeof(strata_attachment),
+                                                     .image = o->mask,
+                                                     .load = STRATA_LOAD_CLEAR},
+                       .color_count = 1,
+                       .whole_frame = 1});
     frame->pass(
         frame->self,
         &(strata_pass){.struct_size = sizeof(strata_pass),
@@ -167,8 +187,8 @@ static void record_mask(const occupancy *o, const strata_frame *frame) {
 }
 
 static void record_limit(const occupancy *o, const strata_frame *frame) {
-    const strata_bind bound[] = {bind_image("depth_image", o->depth),
-                                 bind_image("tiles", o->tiles), bind_buffer("Mask", o->mask)};
+    const strata_bind bound[] = {bind_image("depth_image", o->depth), bind_image("tiles", o->tiles),
+                                 bind_image("mask", o->mask)};
     frame->pass(
         frame->self,
         &(strata_pass){.struct_size = sizeof(strata_pass),
