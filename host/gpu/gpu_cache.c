@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CACHE_FORMAT  5u /* counts changes of what is stored and of how SPIR-V is rewritten */
+#define CACHE_FORMAT  6u /* counts changes of what is stored and of how SPIR-V is rewritten */
 #define LARGEST_ENTRY ((size_t)64 << 20)
 
 typedef struct entry_header {

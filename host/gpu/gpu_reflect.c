@@ -290,13 +290,16 @@ static strata_result write_numbers(reflection_context *c, gpu_spirv *spirv, uint
         const gpu_binding *binding = &c->out->bindings[c->variables[stage][i].binding];
         if (c->vulkan_target && binding->kind == GPU_BINDING_PARAMS)
             continue; /* push constants have no binding */
-        /* The compiler counts locations stage by stage; linked stages must not share one. */
+        /* The compiler counts locations stage by stage; linked stages must not share one. What two
+         * stages have in common gets one in each: Mesa 22.3 binds the texels of a buffer to the
+         * first stage alone where they share it. */
         const int located = !c->vulkan_target && (binding->kind == GPU_BINDING_SAMPLED ||
                                                   binding->kind == GPU_BINDING_TEXELS ||
                                                   binding->kind == GPU_BINDING_STORAGE_IMAGE);
         list[count++] = (gpu_spirv_binding){.id = c->variables[stage][i].id,
                                             .number = binding->binding,
-                                            .location = located ? c->variables[stage][i].binding
+                                            .location = located ? stage * GPU_MAX_BINDINGS +
+                                                                      c->variables[stage][i].binding
                                                                 : GPU_NO_LOCATION};
     }
     return gpu_spirv_rewrite(&spirv->words[stage], &spirv->count[stage], list, count,
