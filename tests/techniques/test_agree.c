@@ -157,7 +157,9 @@ static void exact_ways_agree(void **state) {
     const test_scene *scene = *state;
     picture references[3] = {{0}};
     compare_ways(scene, "vulkan claims:selftest.interlock", references);
-    compare_ways(scene, "gl claims:selftest.interlock,lacks:device.software", references);
+    compare_ways(scene, "gl claims:selftest.interlock", references);
+    if (scene == picture_scenes) /* as devices compile that read no buffers as texels */
+        compare_ways(scene, "gl claims:selftest.interlock,lacks:device.software", references);
     if (!references[0].pixels)
         skip();
     for (size_t p = 0; p < 3; ++p)
