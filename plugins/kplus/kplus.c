@@ -248,14 +248,8 @@ static strata_result create_cells(kplus *s, const strata_view *view) {
     strata_result r = create_buffer(s->gpu, "cells",
                                     (uint64_t)view->band_width * view->band_height * 8, &s->cells);
     if (r == STRATA_OK && s->texels)
-        r = s->gpu->image_create(s->gpu->self,
-                                 &(strata_image_desc){.struct_size = sizeof(strata_image_desc),
-                                                      .label = "keys by place",
-                                                      .format = STRATA_FORMAT_R32U,
-                                                      .width = view->band_width,
-                                                      .height = view->band_height,
-                                                      .layers = s->params.k},
-                                 &s->placed);
+        r = create_array(s->gpu, "keys by place", STRATA_FORMAT_R32U, view->band_width,
+                         view->band_height, s->params.k, &s->placed);
     return r;
 }
 

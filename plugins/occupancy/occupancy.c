@@ -82,14 +82,8 @@ static strata_result create_storage(occupancy *o, const strata_view *view) {
     if (r == STRATA_OK)
         r = create_image(o->gpu, "tiles", STRATA_FORMAT_RGBA32U, o->tiles_x, o->tiles_y, &o->tiles);
     if (r == STRATA_OK)
-        r = o->gpu->image_create(o->gpu->self,
-                                 &(strata_image_desc){.struct_size = sizeof(strata_image_desc),
-                                                      .label = "mask",
-                                                      .format = STRATA_FORMAT_R32U,
-                                                      .width = view->band_width,
-                                                      .height = view->band_height,
-                                                      .layers = o->words},
-                                 &o->mask);
+        r = create_array(o->gpu, "mask", STRATA_FORMAT_R32U, view->band_width, view->band_height,
+                         o->words, &o->mask);
     if (r == STRATA_OK)
         r = create_buffer(o->gpu, "totals", sizeof(counting_totals), &o->totals);
     return r;

@@ -22,15 +22,23 @@ static inline strata_result create_buffer(const strata_gpu *gpu, const char *lab
 }
 
 /* Width and height 0: the frame's. */
-static inline strata_result create_image(const strata_gpu *gpu, const char *label, uint32_t format,
-                                         uint32_t width, uint32_t height, strata_image *out) {
+/* layers 0: a plain image. */
+static inline strata_result create_array(const strata_gpu *gpu, const char *label, uint32_t format,
+                                         uint32_t width, uint32_t height, uint32_t layers,
+                                         strata_image *out) {
     return gpu->image_create(gpu->self,
                              &(strata_image_desc){.struct_size = sizeof(strata_image_desc),
                                                   .label = label,
                                                   .format = format,
                                                   .width = width,
-                                                  .height = height},
+                                                  .height = height,
+                                                  .layers = layers},
                              out);
+}
+
+static inline strata_result create_image(const strata_gpu *gpu, const char *label, uint32_t format,
+                                         uint32_t width, uint32_t height, strata_image *out) {
+    return create_array(gpu, label, format, width, height, 0, out);
 }
 
 #endif

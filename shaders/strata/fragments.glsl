@@ -3,8 +3,8 @@
 // fragments/1, the exchange format between capture and resolve: key and order of a fragment, ranges
 // of a pixel, records in planes. Stages that read do so by the functions below; STRATA_RANGES and
 // STRATA_RECORDS are the qualifiers (writeonly, coherent or empty) of those that write, to strata_ranges,
-// strata_keys and strata_links, or that read keys in a type of their own, STRATA_KEYS. The payload planes, StrataPayload and its packing come from the generated
-// effect header.
+// strata_keys and strata_links, or that read keys in a type of their own, STRATA_KEYS. The payload planes,
+// StrataPayload and its packing come from the generated effect header.
 #ifndef STRATA_FRAGMENTS_GLSL
 #define STRATA_FRAGMENTS_GLSL
 
