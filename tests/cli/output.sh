@@ -22,10 +22,11 @@ starts 'scene is GLB' layers.glb glTF
 run scene layers -o again.glb --set count=5
 same 'scene is reproducible' layers.glb again.glb
 
-# one frame is far shorter than the second that passes before the signal
+# One frame is far shorter than the second that passes before the signal. Without --foreground the
+# program would be sent two: once itself and once with its group.
 run_interrupted() {
     status=0
-    timeout --preserve-status -s INT 1 "$strata" "$@" >out 2>err || status=$?
+    timeout --foreground --preserve-status -s INT 1 "$strata" "$@" >out 2>err || status=$?
 }
 echo old >kept.png
 run_interrupted render scene:layers -o kept.png --backend null --repeat 1000000 --account a.json
