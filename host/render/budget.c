@@ -7,6 +7,7 @@
  */
 #include "render/render.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -77,6 +78,8 @@ strata_result render_budget_learn(strata *s, const strata_render_options *option
     b->recorded_again = figures->retries > 0 && figures->prepared == 0;
     if (!(b->watch.asked > 0))
         return STRATA_OK;
+    if (figures->report.known >> STRATA_REPORT_MAX_PER_PIXEL & 1u)
+        b->deepest = fmax(b->deepest, (double)figures->report.largest);
     strata_result r = note(b, frame, err);
     if (r != STRATA_OK || !frame.judged)
         return r;
@@ -115,10 +118,10 @@ json_t *render_budget_json(const strata *s) {
             frames, json_pack("{s:f, s:o, s:b}", "ms", b->frames[i].ms, "value",
                               b->frames[i].level > 0 ? json_real(b->frames[i].level) : json_null(),
                               "judged", (int)b->frames[i].judged));
-    return json_pack("{s:f, s:o, s:o, s:o, s:o, s:o}", "asked_ms", w->asked, "ms",
+    return json_pack("{s:f, s:o, s:o, s:o, s:o, s:f, s:o}", "asked_ms", w->asked, "ms",
                      w->ms > 0 ? json_real(w->ms) : json_null(), "met",
                      w->ms > 0 ? json_boolean(w->ms <= BUDGET_MET * w->asked) : json_null(),
                      "technique", p->turned ? json_string(p->turned->id) : json_null(), "knob",
                      p->turned ? json_string(p->turned->knobs[p->turned_knob]->name) : json_null(),
-                     "frames", frames);
+                     "depth", p->stats.largest_depth, "frames", frames);
 }

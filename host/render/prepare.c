@@ -5,6 +5,7 @@
  */
 #include "render/render.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -134,6 +135,8 @@ strata_result render_plan(strata *s, scene *sc, const strata_render_options *opt
     input.modules = notes;
     input.module_count = modules_count(s->modules);
     r = estimate(&input, sc, view, &stats, options, err);
+    if (follows)
+        stats.largest_depth = fmax(stats.largest_depth, s->budget.deepest);
     if (r == STRATA_OK)
         r = plan_make(&input, out, err);
     free(notes);

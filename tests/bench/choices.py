@@ -105,7 +105,7 @@ def budgets(strata, own, exact_ms, certified):
         account = strata.render(own + ["--budget", f"{asked:.4g}"], "--repeat", str(BUDGET_FRAMES))
         frames = [f["ms"] for f in account["frames"]]
         settled = statistics.median(frames[SETTLED:])
-        values = account["budget"]["frames"][-1]["value"]
+        values = [f["value"] for f in account["budget"]["frames"]]
         best = best_within(strata, certified, asked)
         used = ["--use", ",".join(t["technique"] for t in account["plan"] if t["stage"] != "draws")]
         for t in account["plan"]:
@@ -113,7 +113,7 @@ def budgets(strata, own, exact_ms, certified):
                 used += ["--set", f"{t['technique']}.{knob}={value}"]
         bound = largest_bound(strata.render(own + used, "--bound", os.path.join(strata.folder, "b.exr"), turn=False))
         results.append({"share": share, "asked_ms": asked, "frames_ms": frames, "settled_ms": settled,
-                        "of_budget": settled / asked, "met": settled <= WITHIN * asked, "value": values,
+                        "of_budget": settled / asked, "met": settled <= WITHIN * asked, "values": values,
                         "chosen": chosen(account), "certified": bound, "sweep_knows": best,
                         "of_best": bound / best["certified"] if bound and best else None})
     return results

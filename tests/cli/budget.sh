@@ -31,6 +31,13 @@ run render $scene $size -o missed.exr --repeat 8 --budget 0.001 --account missed
     [ "$(get missed.json frame_ms/#)" = 8 ]
 verdict 'one that is missed is a warning'
 
+run render scene:soup $size -o deep.exr --use abuffer,ppc --account deep.json
+run render scene:soup $size -o deeper.exr --repeat 4 --budget 1 --account deeper.json
+estimated=$(run plan scene:soup $size --json && get out estimate/largest_depth)
+reported=$(get deep.json fragments/max_per_pixel)
+[ "${estimated%.*}" -lt "$reported" ] && [ "$(get deeper.json budget/depth)" = "$reported" ]
+verdict "another plan goes by the depth that frames had: $reported, not $estimated"
+
 run render $scene $size -o turned.exr --repeat 12 --use kplus,ppc --budget 0.001 --account turned.json
 k=$(get turned.json plan/1/settings/k)
 [ "$status" -eq 0 ] && [ "$k" = 1 ] && [ "$(get turned.json budget/knob)" = k ] &&
