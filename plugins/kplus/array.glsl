@@ -3,14 +3,8 @@
 // kplus, max-array: records stay where they were put. One walk over the keys finds the farthest, which a
 // nearer fragment replaces, and the farthest of the others, by which the pixel culls then. Faster than a
 // heap for few slots.
-//   TEXELS  keys lie in an image besides, a layer a place: software rasterisers gather texels as vectors,
-//           words of a buffer one by one
-
 #ifdef TEXELS
-layout(r32ui) uniform uimage2DArray placed_keys;
-
-ivec3 place_texel(uint place) { return ivec3(uvec2(gl_FragCoord.xy) - strata_band.xy, place); }
-#define KEY(place) imageLoad(placed_keys, ivec3(texel, place)).x
+#define KEY(place) placed_at(places, place)
 #else
 #define KEY(place) key_at(slots.x + (place)).x
 #endif
@@ -18,12 +12,12 @@ ivec3 place_texel(uint place) { return ivec3(uvec2(gl_FragCoord.xy) - strata_ban
 uint other_key; // the farthest of the others, as the walk found it
 
 // Of all records of a full pixel: the farthest and its place. Orders are read where they decide.
-uint farthest_place(uvec2 slots, uvec2 record, out uvec2 farthest) {
+uint farthest_place(uvec2 position, uvec2 slots, uvec2 record, out uvec2 farthest) {
     uint place = 0u;
     farthest = uvec2(0u);
     other_key = 0u;
 #ifdef TEXELS
-    ivec2 texel = place_texel(0u).xy;
+    Places places = places_of(position);
 #endif
     for (uint i = 0u; i < slots.y; ++i) {
         uint key = KEY(i);

@@ -11,21 +11,21 @@
 #endif
 
 layout(std430) buffer StrataFragmentPool { uint strata_needed; uint strata_capacity; };
-layout(std430) writeonly buffer Cells { uvec2 cells[]; };
 
 void main() {
     uint pixel = strata_item();
     if (pixel >= strata_pixel_count())
         return;
+    uvec2 position = strata_position(pixel);
     uvec2 cell = uvec2(STRATA_NO_KEY, 0u);
 #ifdef EXACT
     uint needed = strata_needed;
-    if (strata_count_at(pixel) <= slots_of(pixel).y)
+    if (strata_count_at(pixel) <= slots_of(position).y)
         cell.y = CELL_ROOMY;
 #else
     uint needed = slots_needed();
     if (pixel == 0u)
         strata_needed = needed;
 #endif
-    cells[pixel] = needed > strata_capacity ? CELL_CLOSED : cell;
+    put_cell(position, needed > strata_capacity ? CELL_CLOSED : cell);
 }

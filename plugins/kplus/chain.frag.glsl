@@ -22,7 +22,7 @@ void main() {
 #endif
     if (strata_pool_short())
         return;
-    uvec2 slots = slots_of(strata_pixel(uvec2(gl_FragCoord.xy)));
+    uvec2 slots = slots_of(uvec2(gl_FragCoord.xy));
     uvec2 record = uvec2(strata_key(gl_FragCoord.z), strata_order(strata_primitive()));
 #ifdef ORDERS_PASS
     descend_orders(slots_of_key(slots, record.x), record.y);

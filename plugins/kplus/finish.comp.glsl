@@ -12,10 +12,9 @@
 #include "strata/pool.glsl"
 
 #ifdef CHAIN_COUNTS
-uint count_of(uint pixel) { return chain_below(slots_of(pixel), NO_VALUE); }
+uint count_of(uvec2 position) { return chain_below(slots_of(position), NO_VALUE); }
 #else
-layout(std430) readonly buffer Cells { uvec2 cells[]; };
-uint count_of(uint pixel) { return cells[pixel].y & CELL_COUNT; }
+uint count_of(uvec2 position) { return cell_at(position).y & CELL_COUNT; }
 #endif
 
 #define PIXELS_PER_INVOCATION 16u
@@ -27,10 +26,11 @@ void main() {
         uint pixel = first + i * STRATA_GROUP;
         if (pixel >= strata_pixel_count())
             break;
+        uvec2 position = strata_position(pixel);
         uint here = strata_count_at(pixel), count = 0u;
         if (!strata_pool_short())
-            count = count_of(pixel);
-        strata_ranges[pixel] = uvec2(slots_of(pixel).x, count);
+            count = count_of(position);
+        strata_ranges[pixel] = uvec2(slots_of(position).x, count);
         arrived += here;
         kept += count;
         largest = max(largest, here);

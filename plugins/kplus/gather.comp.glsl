@@ -43,8 +43,9 @@ void main() {
     uint pixel = strata_item();
     if (pixel >= strata_pixel_count())
         return;
-    ivec2 at = ivec2(strata_position(pixel));
-    uvec2 r[16], slots = slots_of(pixel);
+    uvec2 position = strata_position(pixel);
+    ivec2 at = ivec2(position);
+    uvec2 r[16], slots = slots_of(position);
     uint arrived = 0u, kept = 0u;
     for (uint i = 0u; i < 16u; ++i)
         r[i] = uvec2(0xffffffffu);

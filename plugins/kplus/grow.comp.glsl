@@ -54,7 +54,7 @@ void main() {
     // What a pool that is too small, a lock that failed or a tie left there says nothing.
     if (pixel >= strata_pixel_count() || strata_pool_short() || events != 0u)
         return;
-    uvec2 slots = slots_of(pixel), position = strata_position(pixel);
+    uvec2 position = strata_position(pixel), slots = slots_of(position);
     uint count = strata_count_at(pixel), at = position.y * strata_frame_size.x + position.x;
     if (count <= slots.y || slots.y >= params.k)
         return;

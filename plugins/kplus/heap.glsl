@@ -9,7 +9,7 @@ void put_node(uint at, uvec2 node) { nodes[at] = STRATA_TO_PAIR(node); }
 
 // The farthest record and its place. The heap compares keys alone; where the root's children have its
 // key, the last in order of all that have it is looked for, and given to the root.
-uint farthest_place(uvec2 slots, uvec2 record, out uvec2 farthest) {
+uint farthest_place(uvec2 position, uvec2 slots, uvec2 record, out uvec2 farthest) {
     uvec2 root = node_at(slots.x);
     farthest = key_at(slots.x + root.y);
     if ((slots.y > 1u && node_at(slots.x + 1u).x == root.x) ||

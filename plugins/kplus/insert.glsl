@@ -13,6 +13,7 @@
 #define STRATA_RECORDS EXCLUDED
 #define STRATA_KEYS STRATA_PAIR
 #include "slots.glsl"
+#define CELLS EXCLUDED
 #include "cells.glsl"
 #include "strata/loss.glsl"
 
@@ -24,13 +25,8 @@
 #define EXCLUDE_FENCE
 #endif
 
-#ifdef LOCK // single words, for atomics
-layout(std430) coherent buffer Cells { uvec2 cells[]; };
+#ifdef LOCK
 layout(std430) buffer Failures { uint failures; };
-uvec2 cell_at(uint pixel) { return cells[pixel]; }
-#else
-layout(std430) EXCLUDED buffer Cells { STRATA_PAIR cells[]; };
-uvec2 cell_at(uint pixel) { return STRATA_FROM_PAIR(cells[pixel]); }
 #endif
 
 uvec2 key_at(uint slot) { return STRATA_FROM_PAIR(strata_keys[slot]); }
@@ -45,33 +41,33 @@ uvec2 key_at(uint slot) { return STRATA_FROM_PAIR(strata_keys[slot]); }
 // farthest key may: its order decides.
 bool culled(uvec2 cell, uvec2 record) { return record.x > cell.x || cell.y == CELL_CLOSED.y; }
 
-void store_record(uint pixel, uvec2 slots, uint place, uvec2 record, StrataPayload payload) {
+void store_record(uvec2 position, uvec2 slots, uint place, uvec2 record, StrataPayload payload) {
     strata_keys[slots.x + place] = STRATA_TO_PAIR(record);
     strata_payload_store(slots.x + place, payload);
 #ifdef TEXELS
-    imageStore(placed_keys, place_texel(place), uvec4(record.x));
+    put_placed(places_of(position), place, record.x);
 #endif
 }
 
 // With the pixel excluded: its next state. Slots beyond the count were never written and are never read.
-uvec2 place_record(uint pixel, uvec2 cell, uvec2 record, StrataPayload payload) {
-    uvec2 slots = slots_of(pixel);
+uvec2 place_record(uvec2 position, uvec2 cell, uvec2 record, StrataPayload payload) {
+    uvec2 slots = slots_of(position);
     uint count = cell.y & CELL_COUNT, place = count, roomy = cell.y & CELL_ROOMY;
     bool full = cell.x != STRATA_NO_KEY;
     if (full) {
         uvec2 farthest;
-        place = farthest_place(slots, record, farthest);
+        place = farthest_place(position, slots, record, farthest);
         if (strata_before(farthest, record)) {
-            strata_lose(pixel, payload);
+            strata_lose(strata_pixel(position), payload);
             return cell;
         }
 #ifdef STRATA_BOUND
-        strata_lose(pixel, strata_payload_load(slots.x + place));
+        strata_lose(strata_pixel(position), strata_payload_load(slots.x + place));
 #endif
     } else {
         ++count;
     }
-    store_record(pixel, slots, place, record, payload);
+    store_record(position, slots, place, record, payload);
     if (roomy != 0u)
         return uvec2(STRATA_NO_KEY, count | roomy);
     uint key = settle(slots, full, count, place, record);
@@ -79,11 +75,12 @@ uvec2 place_record(uint pixel, uvec2 cell, uvec2 record, StrataPayload payload) 
 }
 
 // A fragment that culled() has let pass.
-void insert(uint pixel, uvec2 cell, uvec2 record, StrataPayload payload) {
+void insert(uvec2 position, uvec2 cell, uvec2 record, StrataPayload payload) {
 #ifdef LOCK
+    uint pixel = blocked(position);
     if ((cell.y & CELL_ROOMY) != 0u) { // every fragment has a slot: a place is all it takes
         uint place = atomicAdd(cells[pixel].y, 1u) & CELL_COUNT;
-        store_record(pixel, slots_of(pixel), place, record, payload);
+        store_record(position, slots_of(position), place, record, payload);
         return;
     }
     bool waiting = true;
@@ -92,7 +89,7 @@ void insert(uint pixel, uvec2 cell, uvec2 record, StrataPayload payload) {
         if ((cell.y & CELL_LOCKED) == 0u) {
             EXCLUDE_FENCE;
             cell.x = cells[pixel].x;
-            cell = place_record(pixel, cell, record, payload);
+            cell = place_record(position, cell, record, payload);
             cells[pixel].x = cell.x;
             EXCLUDE_FENCE;
             atomicExchange(cells[pixel].y, cell.y);
@@ -103,8 +100,8 @@ void insert(uint pixel, uvec2 cell, uvec2 record, StrataPayload payload) {
         atomicAdd(failures, 1u);
 #else
 #ifdef STRATA_INTERLOCK // others were here since the cell was read
-    cell = cell_at(pixel);
+    cell = cell_at(position);
 #endif
-    cells[pixel] = STRATA_TO_PAIR(place_record(pixel, cell, record, payload));
+    put_cell(position, place_record(position, cell, record, payload));
 #endif
 }

@@ -24,7 +24,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { FINISH_PIXELS = 16, ORDERED_MOST = 16, ATTACHMENTS_MOST = 8 };
+enum { FINISH_PIXELS = 16, ORDERED_MOST = 16, ATTACHMENTS_MOST = 8, PLACED_ROW = 8192 };
 
 typedef struct kplus {
     const strata_host *host;
@@ -36,13 +36,13 @@ typedef struct kplus {
     } params;
     path path, other; /* other: of attempts after the lock failed */
     uint32_t exact, heap;
-    uint32_t texels;            /* 1: the array's keys in `placed` besides */
+    uint32_t texels;            /* 1: cells, and the array's keys besides, in `placed` */
     uint32_t ordered;           /* 1: the device orders accesses of a pixel without any help */
     uint32_t lock_failed, tied; /* 1: learned in verify() */
     counting counting;
     growth growth;
     strata_buffer ranges, cells, events; /* events: failures of the lock, or ties */
-    strata_image placed;                 /* keys of the array, a layer a place */
+    strata_image placed;                 /* texels.glsl */
     strata_image held[ATTACHMENTS_MOST]; /* keys and orders, two records a texel */
     strata_buffer dropped;               /* where no texel has room to count */
     strata_pool records;
@@ -51,9 +51,9 @@ typedef struct kplus {
         late_payload_program, swap_program, chain_finish_program;
 } kplus;
 
-static const strata_glsl *const includes[] = {&array_glsl,  &attachments_glsl, &cells_glsl,
-                                              &chain_glsl,  &descend_glsl,     &heap_glsl,
-                                              &insert_glsl, &slots_glsl,       NULL};
+static const strata_glsl *const includes[] = {
+    &array_glsl, &attachments_glsl, &cells_glsl, &chain_glsl,  &descend_glsl,
+    &heap_glsl,  &insert_glsl,      &slots_glsl, &texels_glsl, NULL};
 
 static strata_result create(void *state, const strata_host *host, const strata_gpu *gpu) {
     kplus *s = state;
@@ -245,12 +245,14 @@ static strata_result prepare_all(kplus *s) {
 }
 
 static strata_result create_cells(kplus *s, const strata_view *view) {
-    strata_result r = create_buffer(s->gpu, "cells",
-                                    (uint64_t)view->band_width * view->band_height * 8, &s->cells);
-    if (r == STRATA_OK && s->texels)
-        r = create_array(s->gpu, "keys by place", STRATA_FORMAT_R32U, view->band_width,
-                         view->band_height, s->params.k, &s->placed);
-    return r;
+    const uint64_t pixels = (uint64_t)view->band_width * view->band_height,
+                   rows = (pixels * (s->params.k + 1) + PLACED_ROW - 1) / PLACED_ROW;
+    if (!s->texels)
+        return create_buffer(s->gpu, "cells", pixels * 8, &s->cells);
+    if (rows > s->gpu->fact(s->gpu->self, "limit.image_size"))
+        return STRATA_ERROR_OUT_OF_DEVICE_MEMORY; /* bands have fewer */
+    return create_image(s->gpu, "keys by place", STRATA_FORMAT_R32U, PLACED_ROW, (uint32_t)rows,
+                        &s->placed);
 }
 
 static strata_result prepare_path(kplus *s, const strata_view *view) {
@@ -358,15 +360,21 @@ static void draw_counted(const kplus *s, const strata_frame *frame, const char *
          s->exact ? 0 : 1, params);
 }
 
-static void finish(const kplus *s, const strata_frame *frame, strata_program program,
-                   strata_buffer cells) {
+static void binds_cells(binds *b, const kplus *s) {
+    if (s->texels)
+        binds_image(b, "placed", s->placed);
+    else
+        binds_buffer(b, "Cells", s->cells);
+}
+
+static void finish(const kplus *s, const strata_frame *frame, strata_program program) {
     if (s->exact)
         return;
     binds b = begin_binds(s, 1);
     binds_image(&b, "count_image", s->counting.count);
     binds_buffer(&b, "Totals", s->counting.totals);
-    if (cells.id)
-        binds_buffer(&b, "Cells", cells);
+    if (program.id == s->finish_program.id)
+        binds_cells(&b, s);
     frame->fill(frame->self, s->counting.totals, 0, 0, 0);
     compute(s, frame, "finish", program, &b,
             ((uint64_t)frame->band_width * frame->band_height + FINISH_PIXELS - 1) / FINISH_PIXELS,
@@ -375,19 +383,17 @@ static void finish(const kplus *s, const strata_frame *frame, strata_program pro
 
 static void record_insertion(const kplus *s, const strata_frame *frame) {
     binds b = begin_binds(s, 0);
-    binds_buffer(&b, "Cells", s->cells);
+    binds_cells(&b, s);
     if (s->exact)
         binds_image(&b, "count_image", s->counting.count);
     compute(s, frame, "cells", s->cells_program, &b,
             (uint64_t)frame->band_width * frame->band_height, !s->exact);
     b = begin_binds(s, 0);
-    binds_buffer(&b, "Cells", s->cells);
-    if (s->texels)
-        binds_image(&b, "placed_keys", s->placed);
+    binds_cells(&b, s);
     if (s->path == PATH_LOCK)
         binds_buffer(&b, "Failures", s->events);
     draw_counted(s, frame, "store", s->store_program, &b, !s->exact || s->path == PATH_LOCK);
-    finish(s, frame, s->finish_program, s->cells);
+    finish(s, frame, s->finish_program);
 }
 
 static void record_chain(const kplus *s, const strata_frame *frame, path p) {
@@ -405,7 +411,7 @@ static void record_chain(const kplus *s, const strata_frame *frame, path p) {
             binds_buffer(&t, "Ties", s->events);
         draw(s, frame, "payload", s->payload_program, &t, NULL, 0, params);
     }
-    finish(s, frame, s->chain_finish_program, (strata_buffer){0});
+    finish(s, frame, s->chain_finish_program);
     if (p == PATH_ATOMIC64)
         compute(s, frame, "swap", s->swap_program, &alone, slots, 0);
 }

@@ -65,10 +65,11 @@ void main() {
     if (!strata_covered())
         discard;
 #endif
-    uint pixel = strata_pixel(uvec2(gl_FragCoord.xy));
+    uvec2 position = uvec2(gl_FragCoord.xy);
+    uint pixel = strata_pixel(position);
     uvec2 pair = ~uvec2(strata_key(gl_FragCoord.z), strata_order(strata_primitive()));
 #ifdef EACH
-    uint most = slots_of(pixel).y;
+    uint most = slots_of(position).y;
 #endif
     STRATA_EACH(LOAD)
     uvec2 least = uvec2(0xffffffffu);
@@ -86,7 +87,7 @@ void main() {
 #ifndef LATE
     if (strata_pool_short())
         return;
-    uint slot = slots_of(pixel).x + place;
+    uint slot = slots_of(position).x + place;
 #ifdef SHADE_FIRST
     StrataPayload payload = strata_emit(surface);
     if (!nearer) {

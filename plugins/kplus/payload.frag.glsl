@@ -62,12 +62,11 @@ void main() {
         discard;
     if (strata_pool_short())
         return;
-    uint pixel = strata_pixel(uvec2(gl_FragCoord.xy));
-    uvec2 slots = slots_of(pixel);
+    uvec2 position = uvec2(gl_FragCoord.xy), slots = slots_of(position);
     uint slot = slot_of(slots, uvec2(strata_key(gl_FragCoord.z), strata_order(surface.primitive)));
     StrataPayload payload = strata_emit(surface);
     if (slot == NO_SLOT)
-        strata_lose(pixel, payload);
+        strata_lose(strata_pixel(position), payload);
     else
         strata_payload_store(slot, payload);
 }

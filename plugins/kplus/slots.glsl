@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // kplus: where a pixel's slots lie. memory=exact gave each pixel a range of its own capacity, min(count,
-// its k), in StrataRanges; memory=fixed gives each k slots, and finish.comp.glsl writes the ranges.
+// its k), in StrataRanges; memory=fixed gives each k slots, block by block, and finish.comp.glsl writes the ranges.
 #ifndef EXACT
 #define STRATA_RANGES writeonly
 #endif
@@ -12,10 +12,26 @@
 #endif
 STRATA_PARAMS { uint k; uint tries; MORE_PARAMS } params;
 
+// The band's pixels in blocks of 4 by 4, smaller ones at the edges: what a triangle covers lies together, and
+// rows that are a power of two apart do not compete for the same lines of a cache.
+struct Block {
+    uint first, pixels; // pixels before the block, and in it
+    uint inner;         // index in the block
+};
+Block block_of(uvec2 position) {
+    uvec2 p = position - strata_band.xy, corner = p & ~3u, at = p & 3u;
+    uvec2 size = min(strata_band.zw - corner, uvec2(4u));
+    return Block(corner.y * strata_band.z + corner.x * size.y, size.x * size.y, at.y * size.x + at.x);
+}
+uint blocked(uvec2 position) {
+    Block block = block_of(position);
+    return block.first + block.inner;
+}
+
 #ifdef EXACT
-uvec2 slots_of(uint pixel) { return strata_range_at(pixel); } // first, capacity
+uvec2 slots_of(uvec2 position) { return strata_range_at(strata_pixel(position)); } // first, capacity
 #else
-uvec2 slots_of(uint pixel) { return uvec2(pixel * params.k, params.k); }
+uvec2 slots_of(uvec2 position) { return uvec2(blocked(position) * params.k, params.k); }
 
 // Of the pool; what 32 bits cannot hold asks for bands.
 uint slots_needed() {

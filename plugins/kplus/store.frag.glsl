@@ -35,14 +35,14 @@ void main() {
 #ifndef EXACT
     arrived = 1.0;
 #endif
-    uint pixel = strata_pixel(uvec2(gl_FragCoord.xy));
+    uvec2 position = uvec2(gl_FragCoord.xy);
     uvec2 record = uvec2(strata_key(gl_FragCoord.z), strata_order(strata_primitive()));
-    uvec2 cell = cell_at(pixel);
+    uvec2 cell = cell_at(position);
     bool behind = culled(cell, record);
 #ifdef SHADE_FIRST
     StrataPayload payload = strata_emit(surface);
     if (behind)
-        strata_lose(pixel, payload);
+        strata_lose(strata_pixel(position), payload);
 #else
     StrataPayload payload;
     if (!behind) {
@@ -53,6 +53,6 @@ void main() {
 #endif
     STRATA_INTERLOCK_BEGIN
     if (!behind)
-        insert(pixel, cell, record, payload);
+        insert(position, cell, record, payload);
     STRATA_INTERLOCK_END
 }
