@@ -52,7 +52,7 @@ static const strata_knob begin = {.struct_size = sizeof(strata_knob),
 const strata_knob *const kplus_knobs[KNOB_COUNT] = {
     &k, &structure, &exclusion, &memory, &records_payload_knob, &tries, &begin};
 
-enum { ARRAY_MOST = 32 }; /* a heap wins above */
+enum { ARRAY_MOST = 32, TEXELS_MOST = 128 }; /* a heap wins above; with keys in texels */
 
 uint32_t kplus_is_exact(const double *values) {
     return values[KNOB_K] == 0 || values[KNOB_BEGIN] > 0 || values[KNOB_MEMORY] == MEMORY_EXACT;
@@ -60,12 +60,10 @@ uint32_t kplus_is_exact(const double *values) {
 
 /* By the fragments that pixels may keep; where each has a k of its own, most keep few of theirs,
  * and a heap's nodes would be the larger part of what that spares. */
-uint32_t kplus_is_heap(const double *values, const strata_scene_stats *stats) {
+uint32_t kplus_is_heap(const double *values, const strata_scene_stats *stats, uint32_t unlocked) {
     const double chosen = values[KNOB_STRUCTURE], half = stats->mean_depth / 2,
                  most = values[KNOB_BEGIN] > 0 && half < values[KNOB_K] ? half : values[KNOB_K];
-    return chosen == STRUCTURE_AUTO ? most > ARRAY_MOST : chosen == STRUCTURE_HEAP;
-}
-
-uint32_t kplus_has_texels(const double *values, const strata_scene_stats *stats) {
-    return !kplus_is_heap(values, stats) && !kplus_is_exact(values) && values[KNOB_K] <= ARRAY_MOST;
+    if (chosen != STRUCTURE_AUTO)
+        return chosen == STRUCTURE_HEAP;
+    return most > (unlocked && !kplus_is_exact(values) ? TEXELS_MOST : ARRAY_MOST);
 }

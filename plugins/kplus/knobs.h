@@ -36,10 +36,8 @@ extern const strata_knob *const kplus_knobs[KNOB_COUNT];
 /* Fragments are counted first: ranges are exact. `values` are the knobs', here and below. */
 uint32_t kplus_is_exact(const double *values);
 
-/* Not an array. */
-uint32_t kplus_is_heap(const double *values, const strata_scene_stats *stats);
-
-/* Where `unlocked` writes each key to a texel besides: fixed slots, few enough to be filled. */
-uint32_t kplus_has_texels(const double *values, const strata_scene_stats *stats);
+/* Not an array. Where accesses are in order without any help (path `unlocked`), one of a fixed
+ * number of slots has its keys in texels besides, and pays for longer. */
+uint32_t kplus_is_heap(const double *values, const strata_scene_stats *stats, uint32_t unlocked);
 
 #endif

@@ -96,7 +96,6 @@ static strata_result choose(kplus *s, const strata_view *view, int grows) {
     s->params.k = (uint32_t)values[KNOB_K];
     s->params.tries = (uint32_t)values[KNOB_TRIES];
     s->exact = kplus_is_exact(values);
-    s->heap = kplus_is_heap(values, view->stats);
     s->path = (path)values[KNOB_EXCLUSION];
     if (s->path == PATH_ORDERED && grows && s->params.k > ORDERED_MOST)
         s->params.k = ORDERED_MOST; /* the most that a pixel may grow to */
@@ -104,7 +103,8 @@ static strata_result choose(kplus *s, const strata_view *view, int grows) {
     for (size_t i = 0; s->path == PATH_AUTO; ++i)
         if (!refusal(s, preferred[i]))
             s->path = preferred[i];
-    s->texels = s->path == PATH_UNLOCKED && kplus_has_texels(values, view->stats);
+    s->heap = kplus_is_heap(values, view->stats, s->path == PATH_UNLOCKED);
+    s->texels = s->path == PATH_UNLOCKED && !s->heap && !s->exact;
     const char *reason = refusal(s, s->path);
     if (s->params.k == 0 || !reason)
         return STRATA_OK;
@@ -510,9 +510,10 @@ static strata_result estimate(const strata_scene_stats *stats, const strata_sett
     const double k = settings->values[KNOB_K];
     const double begin = settings->values[KNOB_BEGIN], least = begin > 0 && begin < k ? begin : k;
     const uint32_t exact = kplus_is_exact(settings->values);
-    const uint64_t record = 8 + records_payload_bytes[(int)settings->values[KNOB_PAYLOAD]] +
-                            (kplus_is_heap(settings->values, stats) ? 8 : 0) +
-                            (kplus_has_texels(settings->values, stats) ? 4 : 0);
+    const uint64_t beside = kplus_is_heap(settings->values, stats, 0) ? 8 /* node */
+                            : !exact                                  ? 4 /* texel, if any */
+                                                                      : 0;
+    const uint64_t record = 8 + records_payload_bytes[(int)settings->values[KNOB_PAYLOAD]] + beside;
     const double share = k > 0 && stats->mean_depth > least ? least / stats->mean_depth : 1;
     cost->bytes_per_pixel = exact ? (begin > 0 ? 24 : 20) : 20 + (uint64_t)k * record;
     cost->bytes_per_fragment = exact ? (uint64_t)(share * (double)record + 1) : 0;
@@ -538,10 +539,11 @@ static const strata_promises promises = {
     .struct_size = sizeof(strata_promises),
     .order = STRATA_ORDER_NEAREST,
     .determinism = STRATA_DETERMINISM_BIT,
-    .memory = "fixed: (20 + k record) pixels; exact: 20 pixels + record min(fragments, k each); "
-              "begin: exact, 24 pixels, each its own k; "
-              "record: 8 + payload, heap 16 + payload, array unlocked in fixed memory up to k = 32 "
-              "12 + payload; payload: unorm8 4, half 8, float 16"};
+    .memory =
+        "fixed: (20 + k record) pixels; exact: 20 pixels + record min(fragments, k each); "
+        "begin: exact, 24 pixels, each its own k; "
+        "record: 8 + payload, heap 16 + payload, array unlocked in fixed memory 12 + payload; "
+        "payload: unorm8 4, half 8, float 16"};
 
 static const strata_cost_model cost = {.struct_size = sizeof(strata_cost_model),
                                        .frame = 20000,

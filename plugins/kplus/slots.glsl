@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // kplus: where a pixel's slots lie. memory=exact gave each pixel a range of its own capacity, min(count,
-// its k), in StrataRanges; memory=fixed gives each k slots, block by block, and finish.comp.glsl writes the ranges.
+// its k), in StrataRanges; memory=fixed gives each k slots, block by block of pixels, and finish.comp.glsl
+// writes the ranges.
 #ifndef EXACT
 #define STRATA_RANGES writeonly
 #endif

@@ -11,13 +11,11 @@
 #include "base/base.h"
 #include "gpu/rig.h"
 
-enum { PIXELS = 3, FRAGMENTS = 24576, K = 24, ATTEMPTS = 20, MOST_ATTEMPTS = 1000, NAMES = 7 };
+enum { PIXELS = 3, FRAGMENTS = 24576, K = 24, ATTEMPTS = 20, MOST_ATTEMPTS = 1000, NAMES = 8 };
 
 typedef struct race_params {
     uint32_t k, tries;
 } race_params;
-
-/* Each fragment is as near as the last ones or nearer, so that nearly all come in. */
 
 /* Payloads of one word, which tells whose they are. */
 static const char effects[] =
@@ -29,45 +27,54 @@ static const char effects[] =
     "void strata_payload_store(uint slot, StrataPayload payload) { tags[slot] = payload.tag; }\n"
     "#endif\n";
 
+/* In place of strata/frame.glsl: a band of three pixels, side by side. */
+#define FRAME                                                                                      \
+    "#define STRATA_FRAME_GLSL\n"                                                                  \
+    "const uvec4 strata_band = uvec4(0u, 0u, 3u, 1u);\n"                                           \
+    "uint strata_pixel(uvec2 position) { return position.x; }\n"                                   \
+    "uint strata_pixel_count() { return 3u; }\n"
+
+/* Each fragment is as near as the last ones or nearer, so that nearly all come in. */
 #define RECORD                                                                                     \
     "#include \"strata/scan.glsl\"\n"                                                              \
     "void main() {\n"                                                                              \
-    "    uint i = strata_item(), pixel = i % 3u;\n"                                                \
+    "    uint i = strata_item();\n"                                                                \
+    "    uvec2 position = uvec2(i % 3u, 0u);\n"                                                    \
     "    uvec2 record = uvec2((24575u - i) / 8u, i * 2654435761u);\n"
 
 static const strata_glsl inserting = {
-    "#include \"strata/effects.glsl\"\n"
-    "#include \"insert.glsl\"\n" RECORD "    uvec2 cell = cell_at(pixel);\n"
-    "    if (!culled(cell, record))\n"
-    "        insert(pixel, cell, record, StrataPayload(record.x + 31u * record.y));\n"
-    "}\n",
+    FRAME "#include \"strata/effects.glsl\"\n"
+          "#include \"insert.glsl\"\n" RECORD "    uvec2 cell = cell_at(position);\n"
+          "    if (!culled(cell, record))\n"
+          "        insert(position, cell, record, StrataPayload(record.x + 31u * record.y));\n"
+          "}\n",
     "insert"};
 static const strata_glsl taking_turns = {
-    "#include \"strata/effects.glsl\"\n"
-    "#include \"insert.glsl\"\n"
-    "layout(std430) coherent buffer Turns { uint turns[]; };\n"
-    "layout(std430) buffer Failures { uint failures; };\n" RECORD
-    "    uvec2 cell = cell_at(pixel);\n"
-    "    bool waiting = !culled(cell, record);\n"
-    "    for (uint i = 0u; i < params.tries && waiting; ++i)\n"
-    "        if (atomicExchange(turns[pixel], 1u) == 0u) {\n"
-    "            EXCLUDE_FENCE;\n"
-    "            insert(pixel, cell, record, StrataPayload(record.x + 31u * record.y));\n"
-    "            EXCLUDE_FENCE;\n"
-    "            atomicExchange(turns[pixel], 0u);\n"
-    "            waiting = false;\n"
-    "        }\n"
-    "    if (waiting)\n"
-    "        atomicAdd(failures, 1u);\n"
-    "}\n",
+    FRAME "#include \"strata/effects.glsl\"\n"
+          "#include \"insert.glsl\"\n"
+          "layout(std430) coherent buffer Turns { uint turns[]; };\n"
+          "layout(std430) buffer Failures { uint failures; };\n" RECORD
+          "    uvec2 cell = cell_at(position);\n"
+          "    bool waiting = !culled(cell, record);\n"
+          "    for (uint i = 0u; i < params.tries && waiting; ++i)\n"
+          "        if (atomicExchange(turns[position.x], 1u) == 0u) {\n"
+          "            EXCLUDE_FENCE;\n"
+          "            insert(position, cell, record, StrataPayload(record.x + 31u * record.y));\n"
+          "            EXCLUDE_FENCE;\n"
+          "            atomicExchange(turns[position.x], 0u);\n"
+          "            waiting = false;\n"
+          "        }\n"
+          "    if (waiting)\n"
+          "        atomicAdd(failures, 1u);\n"
+          "}\n",
     "taking_turns"};
 static const strata_glsl descending = {
     "#ifdef WIDE\n#extension GL_EXT_shader_atomic_int64 : require\n"
-    "#extension GL_ARB_gpu_shader_int64 : require\n#endif\n"
+    "#extension GL_ARB_gpu_shader_int64 : require\n#endif\n" FRAME
     "#include \"descend.glsl\"\n" RECORD "#ifdef ORDERS_PASS\n"
-    "    descend_orders(slots_of_key(slots_of(pixel), record.x), record.y);\n"
+    "    descend_orders(slots_of_key(slots_of(position), record.x), record.y);\n"
     "#else\n"
-    "    descend(slots_of(pixel), value_of(record));\n"
+    "    descend(slots_of(position), value_of(record));\n"
     "#endif\n"
     "}\n",
     "descend"};
@@ -110,9 +117,9 @@ static char *read_source(const char *name, char path[64]) {
 
 static strata_program program_of(rig *r, const strata_glsl *source, const char *const *defines,
                                  uint32_t define_count) {
-    static const char *const names[NAMES] = {"slots.glsl",  "cells.glsl", "insert.glsl",
-                                             "array.glsl",  "heap.glsl",  "chain.glsl",
-                                             "descend.glsl"};
+    static const char *const names[NAMES] = {"slots.glsl",   "cells.glsl", "insert.glsl",
+                                             "array.glsl",   "heap.glsl",  "chain.glsl",
+                                             "descend.glsl", "texels.glsl"};
     static char *texts[NAMES], paths[NAMES][64];
     static strata_glsl sources[NAMES];
     const strata_glsl *includes[NAMES + 1] = {NULL};
