@@ -24,7 +24,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { FINISH_PIXELS = 16, ORDERED_MOST = 16, ATTACHMENTS_MOST = 8, PLACED_ROW = 8192 };
+enum { FINISH_PIXELS = 16, ORDERED_MOST = 16, ATTACHMENTS_MOST = 8, PLACED_ROW = 4096 };
 
 typedef struct kplus {
     const strata_host *host;

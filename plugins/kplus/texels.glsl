@@ -5,7 +5,7 @@
 // pixels (slots.glsl) first all texels of place 0, then of place 1 ..; rows mean nothing.
 layout(r32ui) uniform uimage2D placed;
 
-const uint PLACED_ROW = 8192u; // kplus.c has it, too
+const uint PLACED_ROW = 4096u; // as in kplus.c
 
 struct Places {
     uint first, step;
