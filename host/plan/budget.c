@@ -102,7 +102,6 @@ int budget_measure(budget_rule *r, double ms) {
 
 #define MOST_REPLANS 8u  /* in a sequence: each costs a frame that prepares */
 #define MUCH         0.8 /* of what was kept: less was not what was expected to fit */
-#define MOST_STRETCH 2.0 /* beyond it the expectation was about something else */
 #define TRUSTS       3u  /* so many of them where what was expected to fit does not */
 
 static void forget(budget_watch *w) {
@@ -146,11 +145,6 @@ static double lasting(const budget_watch *w) {
 static int is_late(const budget_watch *w) {
     static const double times[BUDGET_RECENT] = {1.5, 1.3, 1.3, BUDGET_MET};
     return lasting(w) > times[w->judged - 1] * w->asked;
-}
-
-double budget_stretch(const budget_watch *w, double expected) {
-    return expected > 0.0 && w->judged > 0 ? fmin(fmax(lasting(w) / expected, 1.0), MOST_STRETCH)
-                                           : 1.0;
 }
 
 static budget_step follow_fixed(budget_watch *w, uint32_t payload) {

@@ -59,9 +59,6 @@ typedef enum budget_step {
 void budget_planned(budget_watch *watch, const budget_rule *rule);
 /* Takes the time of a frame that says something. */
 void budget_take(budget_watch *watch, double ms);
-/* How many times as long as expected (ms, 0: unknown) the recent frames took: 1 to 2. What slows
- * one plan down, such as a busier machine, slows others down, too. */
-double budget_stretch(const budget_watch *watch, double expected);
 /* What follows from the frame that was taken last, with records of that STRATA_PAYLOAD_*. */
 budget_step budget_follow(budget_watch *watch, uint32_t payload);
 

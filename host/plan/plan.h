@@ -52,7 +52,6 @@ typedef struct plan_input {
     double budget;      /* ms that a frame may take, 0 = any; not under a tolerance */
     double beside;      /* ms of that which go to other things than passes */
     double ns;          /* of a blended fragment, as frames before took it; 0 = as `costs` say */
-    double stretch;     /* times as long as expected that frames took with another plan; 0 = 1 */
     uint32_t late; /* bit i: frames that keep all at STRATA_PAYLOAD_ i were measured, and miss the
                       budget */
 } plan_input;

@@ -26,7 +26,7 @@ double plan_room(const plan_work *w) {
     const double ns = plan_ns(w->in);
     if (!(ns > 0.0))
         return HUGE_VAL;
-    double room = (w->in->budget - w->in->beside) * 1e6 / (ns * fmax(w->in->stretch, 1.0));
+    double room = (w->in->budget - w->in->beside) * 1e6 / ns;
     for (uint32_t i = 0; i < w->count; i++)
         if (w->candidates[i].chosen && w->candidates[i].cost != PLAN_NO_COST)
             room -= w->candidates[i].cost;

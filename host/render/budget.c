@@ -58,8 +58,6 @@ static strata_result plan_again(strata *s, base_error *err) {
     render_budget *b = &s->budget;
     const plan *p = s->session->plan;
     b->replan = 1;
-    if (!p->turned && p->ms != PLAN_NO_COST)
-        b->stretch = budget_stretch(&b->watch, p->ms + b->beside);
     strata_result r = render_costs_fit(s, &b->costs, err);
     if (b->costs.ns > 0)
         b->ns = 0;

@@ -522,7 +522,6 @@ strata_result ask(const request *r, kit *k, demand *d, plan **out, base_error *e
         .budget = r->budget,
         .ns = r->ns,
         .beside = r->beside,
-        .stretch = r->stretch,
         .late = r->late,
     };
     snprintf(facts, sizeof facts, "%s", r->device ? r->device : everything);

@@ -50,7 +50,7 @@ typedef struct request {
     double tolerance;
     uint32_t samples, deep, raise;
     const costs *costs;
-    double budget, beside, ns, stretch; /* in ms; of a fragment; times */
+    double budget, beside, ns; /* in ms; of a fragment */
     uint32_t late;
 } request;
 

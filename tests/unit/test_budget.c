@@ -178,8 +178,7 @@ static budget_step take(budget_watch *w, double ms) {
     return budget_follow(w, STRATA_PAYLOAD_HALF);
 }
 
-/* Of a plan that turns nothing, within 100 ms: the frame at which it is given up, 0: it never is.
- */
+/* Of a plan that turns nothing, within 100 ms: the frame at which it is given up, 0: it never is. */
 static const struct given_up {
     const char *name;
     double ms[8]; /* then the last of them goes on */
@@ -241,21 +240,6 @@ static void a_knob_that_must_give_much_wants_a_plan(void **state) {
     assert_int_equal(w.replans, 3);
 }
 
-static void what_slows_one_plan_down_slows_others(void **state) {
-    (void)state;
-    budget_watch w = {.asked = 100};
-    budget_planned(&w, NULL);
-    assert_true(budget_stretch(&w, 100) == 1); /* no frame was judged */
-    budget_take(&w, 130);
-    assert_true(budget_stretch(&w, 100) == 1.3);
-    budget_take(&w, 120);
-    budget_take(&w, 110);
-    assert_true(budget_stretch(&w, 100) == 1.2); /* the second fastest */
-    assert_true(budget_stretch(&w, 150) == 1);
-    assert_true(budget_stretch(&w, 10) == 2);
-    assert_true(budget_stretch(&w, 0) == 1);
-}
-
 /* More may be kept than was expected: at the most there is, exact ways are weighed again, once, and
  * not where they were late. */
 static void the_most_asks_for_exactness_once(void **state) {
@@ -299,7 +283,6 @@ int main(void) {
         cmocka_unit_test(a_little_late_is_late_twice),
         cmocka_unit_test(a_plan_is_given_up_for_lasting_lateness),
         cmocka_unit_test(a_knob_that_must_give_much_wants_a_plan),
-        cmocka_unit_test(what_slows_one_plan_down_slows_others),
         cmocka_unit_test(the_most_asks_for_exactness_once),
         cmocka_unit_test(the_least_asks_for_other_plans),
     };

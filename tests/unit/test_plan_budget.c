@@ -36,9 +36,6 @@ static void what_fits_is_taken(void **state) {
         {{FOR(SET, "b"), US, .budget = 1.05}, "kplus ppc", 1, "not expected to meet"},
         {{FOR(SET, "b"), US, .budget = 1.05, .beside = 1}, "kplus ppc", 1, "not expected to meet"},
         {{FOR(SET, "b"), US, .budget = 3.55, .beside = 2}, "kplus ppc", 5, NULL},
-        {{FOR(SET, "b"), US, .budget = 7.2, .stretch = 2}, "kplus ppc", 10, NULL},
-        {{FOR(SET, "b"), US, .budget = 5.1, .beside = 2, .stretch = 2}, "kplus ppc", 5, NULL},
-        {{FOR(SET, "b"), US, .budget = 4, .stretch = 0.5}, "abuffer ppc", 0, NULL},
         {{FOR(SET, "b"), US, .budget = 100, .late = 1}, "kplus ppc", 10, NULL},
         /* nothing was measured: exact first, and then the frames tell */
         {{FOR(SET, "b"), .budget = 0.001}, "abuffer ppc", 0, NULL},
