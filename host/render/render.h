@@ -226,7 +226,7 @@ typedef struct render_budget {
     costs costs;                 /* what the device's are, and what the frames add to them */
     double beside;               /* ms of a frame that are not its passes' */
     double ns;                   /* of a blended fragment, where passes are not timed; 0: unknown */
-    double deepest;              /* most fragments in one pixel that a frame reported */
+    double deepest;              /* most fragments in one pixel that its frames reported */
     uint32_t replan;             /* 1: the next frame wants another plan */
     int recorded_again;          /* the last frame was */
     render_budget_frame *frames; /* the last ones */

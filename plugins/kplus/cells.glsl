@@ -6,7 +6,7 @@
 //   y  records so far; flags
 // With TEXELS one word does: the key, or beyond every key the number of records.
 const uint CELL_COUNT = 0xffffu;
-const uint CELL_ROOMY = 0x40000000u;  // no more fragments arrive than there are slots
+const uint CELL_ROOMY = 0x40000000u; // no more fragments arrive than there are slots
 const uint CELL_LOCKED = 0x80000000u;
 const uvec2 CELL_CLOSED = uvec2(STRATA_NO_KEY, 0xffffu); // the pool is too small: nothing is stored
 
@@ -29,11 +29,11 @@ void put_cell(uvec2 position, uvec2 cell) {
 #endif
 #ifdef LOCK // single words, for atomics
 layout(std430) CELLS buffer Cells { uvec2 cells[]; };
-uvec2 cell_at(uvec2 position) { return cells[blocked(position)]; }
-void put_cell(uvec2 position, uvec2 cell) { cells[blocked(position)] = cell; }
+uvec2 cell_at(uvec2 position) { return cells[block_index(position)]; }
+void put_cell(uvec2 position, uvec2 cell) { cells[block_index(position)] = cell; }
 #else
 layout(std430) CELLS buffer Cells { STRATA_PAIR cells[]; };
-uvec2 cell_at(uvec2 position) { return STRATA_FROM_PAIR(cells[blocked(position)]); }
-void put_cell(uvec2 position, uvec2 cell) { cells[blocked(position)] = STRATA_TO_PAIR(cell); }
+uvec2 cell_at(uvec2 position) { return STRATA_FROM_PAIR(cells[block_index(position)]); }
+void put_cell(uvec2 position, uvec2 cell) { cells[block_index(position)] = STRATA_TO_PAIR(cell); }
 #endif
 #endif

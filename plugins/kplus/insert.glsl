@@ -77,7 +77,7 @@ uvec2 place_record(uvec2 position, uvec2 cell, uvec2 record, StrataPayload paylo
 // A fragment that culled() has let pass.
 void insert(uvec2 position, uvec2 cell, uvec2 record, StrataPayload payload) {
 #ifdef LOCK
-    uint pixel = blocked(position);
+    uint pixel = block_index(position);
     if ((cell.y & CELL_ROOMY) != 0u) { // every fragment has a slot: a place is all it takes
         uint place = atomicAdd(cells[pixel].y, 1u) & CELL_COUNT;
         store_record(position, slots_of(position), place, record, payload);

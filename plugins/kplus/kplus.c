@@ -367,13 +367,13 @@ static void binds_cells(binds *b, const kplus *s) {
         binds_buffer(b, "Cells", s->cells);
 }
 
-static void finish(const kplus *s, const strata_frame *frame, strata_program program) {
+static void finish(const kplus *s, const strata_frame *frame, strata_program program, int cells) {
     if (s->exact)
         return;
     binds b = begin_binds(s, 1);
     binds_image(&b, "count_image", s->counting.count);
     binds_buffer(&b, "Totals", s->counting.totals);
-    if (program.id == s->finish_program.id)
+    if (cells)
         binds_cells(&b, s);
     frame->fill(frame->self, s->counting.totals, 0, 0, 0);
     compute(s, frame, "finish", program, &b,
@@ -393,7 +393,7 @@ static void record_insertion(const kplus *s, const strata_frame *frame) {
     if (s->path == PATH_LOCK)
         binds_buffer(&b, "Failures", s->events);
     draw_counted(s, frame, "store", s->store_program, &b, !s->exact || s->path == PATH_LOCK);
-    finish(s, frame, s->finish_program);
+    finish(s, frame, s->finish_program, 1);
 }
 
 static void record_chain(const kplus *s, const strata_frame *frame, path p) {
@@ -411,7 +411,7 @@ static void record_chain(const kplus *s, const strata_frame *frame, path p) {
             binds_buffer(&t, "Ties", s->events);
         draw(s, frame, "payload", s->payload_program, &t, NULL, 0, params);
     }
-    finish(s, frame, s->chain_finish_program);
+    finish(s, frame, s->chain_finish_program, 0);
     if (p == PATH_ATOMIC64)
         compute(s, frame, "swap", s->swap_program, &alone, slots, 0);
 }

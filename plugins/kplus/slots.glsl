@@ -24,7 +24,7 @@ Block block_of(uvec2 position) {
     uvec2 size = min(strata_band.zw - corner, uvec2(4u));
     return Block(corner.y * strata_band.z + corner.x * size.y, size.x * size.y, at.y * size.x + at.x);
 }
-uint blocked(uvec2 position) {
+uint block_index(uvec2 position) {
     Block block = block_of(position);
     return block.first + block.inner;
 }
@@ -32,7 +32,7 @@ uint blocked(uvec2 position) {
 #ifdef EXACT
 uvec2 slots_of(uvec2 position) { return strata_range_at(strata_pixel(position)); } // first, capacity
 #else
-uvec2 slots_of(uvec2 position) { return uvec2(blocked(position) * params.k, params.k); }
+uvec2 slots_of(uvec2 position) { return uvec2(block_index(position) * params.k, params.k); }
 
 // Of the pool; what 32 bits cannot hold asks for bands.
 uint slots_needed() {

@@ -21,8 +21,7 @@ static inline strata_result create_buffer(const strata_gpu *gpu, const char *lab
                               out);
 }
 
-/* Width and height 0: the frame's. */
-/* layers 0: a plain image. */
+/* Width and height 0: the frame's; layers 0: a plain image. */
 static inline strata_result create_array(const strata_gpu *gpu, const char *label, uint32_t format,
                                          uint32_t width, uint32_t height, uint32_t layers,
                                          strata_image *out) {

@@ -32,7 +32,7 @@ run render $scene $size -o missed.exr --repeat 8 --budget 0.001 --account missed
 verdict 'one that is missed is a warning'
 
 run render scene:soup $size -o deep.exr --use abuffer,ppc --account deep.json
-run render scene:soup $size -o deeper.exr --repeat 4 --budget 1 --account deeper.json
+run render scene:soup $size -o deeper.exr --repeat 4 --budget 0.001 --account deeper.json
 estimated=$(run plan scene:soup $size --json && get out estimate/largest_depth)
 reported=$(get deep.json fragments/max_per_pixel)
 [ "${estimated%.*}" -lt "$reported" ] && [ "$(get deeper.json budget/depth)" = "$reported" ]
