@@ -27,6 +27,8 @@ done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 trap 'exit 130' INT TERM
+STRATA_CACHE_DIR=$work/cache # what was learnt here would change the settings that are not named
+export STRATA_CACHE_DIR
 
 # SCENE SIZE CONFIG[|CONFIG..] [ARGUMENTS OF bench]
 run_row() {

@@ -26,6 +26,8 @@ mkdir -p "$out"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 trap 'exit 130' INT TERM
+STRATA_CACHE_DIR=$work/cache # what was learnt here would change the settings that are not named
+export STRATA_CACHE_DIR
 
 # A shell is crossed twice: half as many as layers, of 8 * 4^n triangles.
 for row in '20 10 5' '60 30 4'; do
