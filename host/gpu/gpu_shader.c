@@ -227,6 +227,8 @@ static strata_result add_prologue(expansion *e, const strata_program_desc *desc,
         base_text_add(text, "#define STRATA_HAS_INTERLOCK 1\n");
     if (gpu_reads_texels(e->g))
         base_text_add(text, "#define STRATA_TEXELS 1\n");
+    if (desc->kind == STRATA_PROGRAM_SCENE && gpu_fact(e->g, "device.software"))
+        base_text_add(text, "#define STRATA_FLAT 1\n");
     for (const gpu_text *define = e->g->defines; define; define = define->next)
         base_text_add(text, "#define %s %s\n", define->name, define->text);
     for (uint32_t i = 0; result == STRATA_OK && i < desc->define_count; i++)

@@ -154,7 +154,6 @@ static strata_result write_block(render_session *session, const scene_view *view
     memcpy(block.clip_to_world, view->clip_to_world, sizeof block.clip_to_world);
     memcpy(block.eye, view->eye, sizeof block.eye);
     memcpy(block.background, options->background, sizeof block.background);
-    upload_ambient(block.ambient);
     return gpu_buffer_write(session->owner->gpu, session->frame_block, 0, sizeof block, &block,
                             err);
 }

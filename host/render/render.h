@@ -55,7 +55,6 @@ typedef struct render_frame_block {
     float eye[4], background[4];
     uint32_t frame_size[4]; /* width, height, samples, index */
     uint32_t band[4];
-    float ambient[9][4];
     uint32_t counts[4]; /* lights, materials, records, textures */
 } render_frame_block;
 

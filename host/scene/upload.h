@@ -46,10 +46,6 @@ strata_result upload_update(upload *u, const scene *s, base_error *err);
  * turns. No effect on scenes with lights and on unlit ones. Outside recording. */
 strata_result upload_set_key_light(upload *u, const scene_view *first, base_error *err);
 
-/* The ambient light that goes with it, for strata_ambient: radiance as spherical harmonics of order
- * 2 (degree, order: 00, 1-1, 10, 11, 2-2, 2-1, 20, 21, 22), a soft sky that is brighter above. */
-void upload_ambient(float ambient[9][4]);
-
 /* "draws.transparent/1": the materials said to be transparent; "draws.opaque/1": the others; each
  * in scene order. An empty list is a handle that draws nothing, made when first asked for. The zero
  * handle for other slots and when memory ran out. Valid until the next update. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Lights: those of the scene, or a key light over the viewer's left shoulder and a soft sky, so
- * that a model without lights has form.
+ * Lights: those of the scene, or a key light over the viewer's left shoulder, so that a model
+ * without lights has form.
  */
 #include "scene/upload_internal.h"
 
@@ -15,18 +15,6 @@
 /* Towards the key light, in the eye's axes; and its illuminance in lux. */
 static const double key_direction[3] = {-0.45, 0.65, 0.61};
 static const float key_color[3] = {2.25f, 2.17f, 2.05f};
-
-/* Ambient radiance straight up and straight down. */
-static const float sky[3] = {0.50f, 0.55f, 0.62f};
-static const float ground[3] = {0.22f, 0.20f, 0.18f};
-
-void upload_ambient(float ambient[9][4]) {
-    memset(ambient, 0, 9 * sizeof ambient[0]);
-    for (int i = 0; i < 3; i++) { /* L = mean + difference * y */
-        ambient[0][i] = 0.5f * (sky[i] + ground[i]) / 0.282094792f;
-        ambient[1][i] = 0.5f * (sky[i] - ground[i]) / 0.488602512f;
-    }
-}
 
 static upload_light from_scene(const scene_light *light) {
     upload_light out = {.position[3] = (float)light->kind,

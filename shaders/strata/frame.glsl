@@ -13,14 +13,43 @@ layout(std140) uniform StrataFrame {
     vec4 strata_background;    // linear, premultiplied
     uvec4 strata_frame_size;   // width, height in sub-pixels; samples a pixel; frame index
     uvec4 strata_band;         // x, y, width, height of the band in sub-pixels
-    vec4 strata_ambient[9];    // spherical harmonics of the ambient light, order 2, rgb
     uvec4 strata_counts;       // lights, materials, records, textures
 };
 
+// Software rasterisers take words of a uniform block lane by lane, and a flat input at once: there the
+// vertex stage hands on what most fragments read of the frame.
+#ifdef STRATA_FLAT
+#ifdef STRATA_STAGE_VERTEX
+#define STRATA_VARYING out
+#else
+#define STRATA_VARYING in
+#endif
+layout(location = 13) flat STRATA_VARYING vec4 strata_flat_eye;
+layout(location = 14) flat STRATA_VARYING uvec2 strata_flat_rows; // a row's length; the first pixel
+#endif
+
+// Where the eye is (w = 1), or the direction towards it (w = 0).
+vec4 strata_eye_at() {
+#if defined(STRATA_FLAT) && defined(STRATA_STAGE_FRAGMENT)
+    return strata_flat_eye;
+#else
+    return strata_eye;
+#endif
+}
+
+// Length of a row of the band, and what the pixel at (0, 0) of the image would be its index.
+uvec2 strata_rows() {
+#if defined(STRATA_FLAT) && defined(STRATA_STAGE_FRAGMENT)
+    return strata_flat_rows;
+#else
+    return uvec2(strata_band.z, strata_band.y * strata_band.z + strata_band.x);
+#endif
+}
+
 // Index of a pixel within the band, row by row: where its range in fragments/1 stands.
 uint strata_pixel(uvec2 position) {
-    uvec2 p = position - strata_band.xy;
-    return p.y * strata_band.z + p.x;
+    uvec2 rows = strata_rows();
+    return position.y * rows.x + position.x - rows.y;
 }
 
 uint strata_pixel_count() { return strata_band.z * strata_band.w; }

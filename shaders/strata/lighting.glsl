@@ -1,23 +1,19 @@
 // SPDX-License-Identifier: MIT
 //
 // glTF's metallic-roughness model: GGX (Walter 2007) with height-correlated Smith shadowing and
-// Schlick's Fresnel, punctual lights, and ambient light as spherical harmonics, its reflection
-// through the fit of the environment BRDF by Lazarov (2013) and Karis (2014). Part of shading.glsl.
+// Schlick's Fresnel, punctual lights, and ambient light that grows with height, its reflection through
+// the fit of the environment BRDF by Lazarov (2013) and Karis (2014). Part of shading.glsl.
 #ifndef STRATA_LIGHTING_GLSL
 #define STRATA_LIGHTING_GLSL
 
+#include "strata/lights.glsl"
 #include "strata/math.glsl"
 
-struct StrataLight {
-    vec4 position;  // world; kind (0 directional, 1 point, 2 spot)
-    vec4 direction; // where it shines to, unit; range, 0 = unlimited
-    vec4 color;     // rgb times intensity
-    vec4 cone;      // cosines: inner, outer
-};
-// A constant count: the loop over few lights unrolls, and their loads become the same for all.
-layout(std140) uniform StrataLights { StrataLight strata_lights[STRATA_LIGHT_COUNT]; };
-
 const float STRATA_PI = 3.14159265358979;
+// Ambient radiance: the mean of all directions, and what it gains straight up and loses straight down.
+const vec3 STRATA_AMBIENT = vec3(0.36, 0.375, 0.4);
+const vec3 STRATA_AMBIENT_GAIN = vec3(0.14, 0.175, 0.22);
+
 const float STRATA_SMALLEST_ROUGHNESS = 0.045; // its fourth power is still above a float's rounding
 
 #ifdef STRATA_HAS_TEXTURES
@@ -43,11 +39,16 @@ precise vec3 strata_bend(StrataTexture t, StrataSlopes slopes, vec3 normal, vec3
 }
 #endif
 
-// On the side that is seen. Where normals vanish, that of the face.
-precise vec3 strata_shading_normal(StrataSlopes slopes) {
-    vec3 normal = strata_unit(strata_in_normal);
+precise vec3 strata_towards_eye() {
+    vec4 eye = strata_eye_at();
+    return eye.w != 0.0 ? strata_unit(eye.xyz - strata_in_position) : eye.xyz;
+}
+
+// On the side that is seen. Towards the eye where interpolated normals cancel out.
+precise vec3 strata_shading_normal(StrataSlopes slopes, vec3 view) {
+    vec3 normal = strata_direction(strata_in_normal);
     if (normal == vec3(0.0))
-        return strata_unit(strata_cross(slopes.dx, slopes.dy));
+        return view;
 #ifdef STRATA_HAS_TEXTURES
     uint map = strata_in_textures.z;
     if (map != STRATA_NO_INDEX) {
@@ -79,16 +80,16 @@ precise vec3 strata_reflect(StrataReflector r, vec3 light) {
     float n_l = strata_dot(r.normal, light);
     if (!(n_l > 0.0))
         return vec3(0.0);
-    vec3 halfway = strata_unit(light + r.view);
+    vec3 halfway = strata_direction(light + r.view);
     float n_h = clamp(strata_dot(r.normal, halfway), 0.0, 1.0);
     float v_h = clamp(strata_dot(r.view, halfway), 0.0, 1.0);
     float a2 = r.alpha * r.alpha;
     float spread = n_h * n_h * (a2 - 1.0) + 1.0;
-    float d = a2 / (STRATA_PI * spread * spread);
-    float v = 0.5 / (n_l * sqrt(r.n_v * r.n_v * (1.0 - a2) + a2) +
-                     r.n_v * sqrt(n_l * n_l * (1.0 - a2) + a2));
+    float masked = n_l * sqrt(r.n_v * r.n_v * (1.0 - a2) + a2) +
+                   r.n_v * sqrt(n_l * n_l * (1.0 - a2) + a2);
+    float d_v = a2 * (0.5 / STRATA_PI) / (spread * spread * masked);
     vec3 f = strata_schlick(r.f0, v_h);
-    return ((1.0 - f) * r.diffuse / STRATA_PI + f * (d * v)) * n_l;
+    return ((1.0 - f) * r.diffuse * (1.0 / STRATA_PI) + f * d_v) * n_l;
 }
 
 // Direction to a light and what arrives from it (KHR_lights_punctual).
@@ -116,17 +117,10 @@ precise vec3 strata_arriving(StrataLight light, out vec3 direction) {
 #endif
 }
 
-// Ambient radiance convolved with a lobe that keeps `band1` and `band2` of the spherical harmonics
-// of degree 1 and 2.
-precise vec3 strata_ambient_light(vec3 n, float band1, float band2) {
-    vec3 constant = strata_ambient[0].rgb * 0.282094792;
-    vec3 first = (strata_ambient[1].rgb * n.y + strata_ambient[2].rgb * n.z +
-                  strata_ambient[3].rgb * n.x) * 0.488602512;
-    vec3 second = (strata_ambient[4].rgb * (n.x * n.y) + strata_ambient[5].rgb * (n.y * n.z) +
-                   strata_ambient[7].rgb * (n.z * n.x)) * 1.092548431 +
-                  strata_ambient[6].rgb * (0.315391565 * (3.0 * n.z * n.z - 1.0)) +
-                  strata_ambient[8].rgb * (0.546274215 * (n.x * n.x - n.y * n.y));
-    return max(constant + first * band1 + second * band2, vec3(0.0));
+// Ambient radiance from around a direction of this height (-1..1): its lobe keeps `share` of what grows
+// with height.
+precise vec3 strata_ambient_light(float height, float share) {
+    return STRATA_AMBIENT + STRATA_AMBIENT_GAIN * (height * share);
 }
 
 // Share of uniform light from all sides that is mirrored: f0 * x + y.
@@ -137,17 +131,15 @@ precise vec2 strata_environment_brdf(float roughness, float n_v) {
 }
 
 precise vec3 strata_ambient_reflection(StrataReflector r, float roughness) {
-    vec3 mirrored = 2.0 * strata_dot(r.normal, r.view) * r.normal - r.view;
-    float sharp = 1.0 - r.alpha;
+    float mirrored = 2.0 * strata_dot(r.normal, r.view) * r.normal.y - r.view.y; // its height
     vec2 brdf = strata_environment_brdf(roughness, r.n_v);
     vec3 specular = r.f0 * brdf.x + brdf.y;
-    return r.diffuse * (1.0 - specular) * strata_ambient_light(r.normal, 2.0 / 3.0, 0.25) +
-           specular * strata_ambient_light(mirrored, strata_mix(2.0 / 3.0, 1.0, sharp),
-                                           strata_mix(0.25, 1.0, sharp));
+    return r.diffuse * (1.0 - specular) * strata_ambient_light(r.normal.y, 2.0 / 3.0) +
+           specular * strata_ambient_light(mirrored, strata_mix(2.0 / 3.0, 1.0, 1.0 - r.alpha));
 }
 
 // Fills colour (without emission), transmission and tint from base colour and surface.normal.
-void strata_shade(vec3 base, StrataUv uv, inout StrataSurface surface) {
+void strata_shade(vec3 base, StrataUv uv, vec3 view, inout StrataSurface surface) {
     vec4 rough = strata_textured(strata_in_textures.y, STRATA_LINEAR, uv);
     float metallic = clamp(strata_in_reflection.x * rough.b, 0.0, 1.0);
     float roughness = clamp(strata_in_reflection.y * rough.g, STRATA_SMALLEST_ROUGHNESS, 1.0);
@@ -158,9 +150,7 @@ void strata_shade(vec3 base, StrataUv uv, inout StrataSurface surface) {
     vec3 dielectric = vec3(strata_in_reflection.z);
     precise StrataReflector r;
     r.normal = surface.normal;
-    r.view = strata_eye.xyz;
-    if (strata_eye.w != 0.0)
-        r.view = strata_unit(strata_eye.xyz - strata_in_position);
+    r.view = view;
     r.n_v = clamp(abs(strata_dot(r.normal, r.view)), 1e-4, 1.0);
     r.alpha = roughness * roughness;
     r.f0 = strata_mix(dielectric, base, metallic);
@@ -178,7 +168,7 @@ void strata_shade(vec3 base, StrataUv uv, inout StrataSurface surface) {
     precise vec3 color = strata_ambient_reflection(r, roughness) * occlusion;
     for (int i = 0; i < STRATA_LIGHT_COUNT; ++i) {
         vec3 direction;
-        vec3 arriving = strata_arriving(strata_lights[i], direction);
+        vec3 arriving = strata_arriving(strata_light_at(i), direction);
         color += strata_reflect(r, direction) * arriving;
     }
     surface.color = color;

@@ -28,4 +28,10 @@ precise vec3 strata_unit(vec3 v) {
     return scaled * (1.0 / sqrt(strata_dot(scaled, scaled)));
 }
 
+// strata_unit() of what is known to be at most 1e18 long; what is shorter than 1e-19 becomes zero.
+precise vec3 strata_direction(vec3 v) {
+    float square = strata_dot(v, v);
+    return square > 0.0 ? v * (1.0 / sqrt(square)) : vec3(0.0);
+}
+
 #endif

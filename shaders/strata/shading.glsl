@@ -35,7 +35,7 @@ StrataUv strata_uv() { return StrataUv(0.0); }
 #endif
 struct StrataSlopes {
     StrataUv uv;
-#ifdef STRATA_HAS_LIT
+#if defined(STRATA_HAS_LIT) && defined(STRATA_HAS_TEXTURES)
     vec3 dx, dy; // of the position in the world
 #endif
 };
@@ -149,7 +149,7 @@ precise vec3 strata_emission(StrataUv uv) {
 
 // All that shading takes across the screen, in uniform control flow.
 StrataSlopes strata_slopes() {
-#ifdef STRATA_HAS_LIT
+#if defined(STRATA_HAS_LIT) && defined(STRATA_HAS_TEXTURES)
     return StrataSlopes(strata_uv(), dFdx(strata_in_position), dFdy(strata_in_position));
 #else
     return StrataSlopes(strata_uv());
@@ -174,9 +174,10 @@ bool strata_surface(StrataSlopes slopes, out StrataSurface surface) {
 #endif
 #ifdef STRATA_HAS_LIT
     if (strata_is(STRATA_RECORD_NORMALS)) {
-        surface.normal = strata_shading_normal(slopes);
+        vec3 view = strata_towards_eye();
+        surface.normal = strata_shading_normal(slopes, view);
         if (!strata_is(STRATA_RECORD_UNLIT))
-            strata_shade(base.rgb, uv, surface);
+            strata_shade(base.rgb, uv, view, surface);
     }
 #endif
     precise vec3 color = surface.color + strata_emission(uv);

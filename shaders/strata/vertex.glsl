@@ -4,6 +4,9 @@
 // that a slot is one multi-draw whatever its meshes have. Position is invariant and computed in one
 // written order: a fragment's depth has the same bits in every pass.
 #include "strata/frame.glsl"
+#ifdef STRATA_HAS_LIT
+#include "strata/lights.glsl"
+#endif
 #include "strata/math.glsl"
 #include "strata/transform.glsl"
 
@@ -147,6 +150,20 @@ void strata_write_material(StrataMaterial material) {
 #endif
 }
 
+// What STRATA_FLAT hands on.
+void strata_write_frame() {
+#ifdef STRATA_FLAT
+    strata_flat_eye = strata_eye;
+    strata_flat_rows = strata_rows();
+#endif
+#ifdef STRATA_FLAT_LIGHTS
+    for (int i = 0; i < STRATA_LIGHT_COUNT; ++i) {
+        strata_flat_directions[i] = strata_lights[i].direction.xyz;
+        strata_flat_colors[i] = strata_lights[i].color.rgb;
+    }
+#endif
+}
+
 void main() {
     StrataRecord record = strata_record_at(STRATA_INSTANCE);
     uint vertex = STRATA_VERTEX;
@@ -164,6 +181,7 @@ void main() {
         strata_expand_splat(record, vertex, corner, world, clip);
 #endif
     gl_Position = clip;
+    strata_write_frame();
     strata_out_ids =
         uvec4(record.material, record.primitive_base, record.primitive_map, record.flags);
 #ifdef STRATA_WANTS_RECORD

@@ -14,7 +14,6 @@
 typedef struct frame_block { /* StrataFrame */
     float world_to_clip[16], world_to_eye[16], clip_to_world[16], eye[4], background[4];
     uint32_t size[4], band[4];
-    float ambient[9][4];
     uint32_t counts[4];
 } frame_block;
 
@@ -83,7 +82,6 @@ static int fill_frame(drawing *d, const scene *s, const drawing_options *o, base
     memcpy(block.world_to_eye, view.world_to_eye, sizeof view.world_to_eye);
     memcpy(block.clip_to_world, view.clip_to_world, sizeof view.clip_to_world);
     memcpy(block.eye, view.eye, sizeof view.eye);
-    upload_ambient(block.ambient);
     return upload_set_key_light(d->u, &view, err) == STRATA_OK &&
            gpu_buffer_write(d->g, d->frame, 0, sizeof block, &block, err) == STRATA_OK;
 }

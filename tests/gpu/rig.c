@@ -177,7 +177,6 @@ typedef struct frame_block { /* StrataFrame of shaders/strata/frame.glsl */
     float world_to_clip[16], world_to_eye[16], clip_to_world[16];
     float eye[4], background[4];
     uint32_t frame_size[4], band[4];
-    float ambient[9][4];
     uint32_t counts[4];
 } frame_block;
 
