@@ -4,9 +4,9 @@
 // nearer fragment replaces, and the farthest of the others, by which the pixel culls then. Faster than a
 // heap for few slots.
 #ifdef TEXELS
-#define KEY(place) placed_at(places, place)
+#define KEY(at) placed_at(at)
 #else
-#define KEY(place) key_at(slots.x + (place)).x
+#define KEY(at) key_at(at).x
 #endif
 
 uint other_key; // the farthest of the others, as the walk found it
@@ -18,9 +18,12 @@ uint farthest_place(uvec2 position, uvec2 slots, uvec2 record, out uvec2 farthes
     other_key = 0u;
 #ifdef TEXELS
     Places places = places_of(position);
+    uint at = places.first, step = places.step;
+#else
+    uint at = slots.x, step = 1u;
 #endif
-    for (uint i = 0u; i < slots.y; ++i) {
-        uint key = KEY(i);
+    for (uint i = 0u; i < slots.y; ++i, at += step) {
+        uint key = KEY(at);
         bool behind = key >= farthest.x;
         other_key = max(other_key, behind ? farthest.x : key);
         farthest.x = behind ? key : farthest.x;

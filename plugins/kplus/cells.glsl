@@ -16,12 +16,12 @@ const uvec2 CELL_CLOSED = uvec2(STRATA_NO_KEY, 0xffffu); // the pool is too smal
 const uint CELL_FILLING = 0x40000000u;
 
 uvec2 cell_at(uvec2 position) {
-    uint word = placed_at(places_of(position), params.k);
+    uint word = placed_at(texel_of(places_of(position), params.k));
     return word > STRATA_FAR_KEY ? uvec2(STRATA_NO_KEY, word & CELL_COUNT) : uvec2(word, params.k);
 }
 void put_cell(uvec2 position, uvec2 cell) {
     uint word = cell.x == STRATA_NO_KEY ? CELL_FILLING | cell.y : cell.x;
-    put_placed(places_of(position), params.k, word);
+    put_placed(texel_of(places_of(position), params.k), word);
 }
 #else
 #ifndef CELLS

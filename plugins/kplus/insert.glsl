@@ -45,7 +45,7 @@ void store_record(uvec2 position, uvec2 slots, uint place, uvec2 record, StrataP
     strata_keys[slots.x + place] = STRATA_TO_PAIR(record);
     strata_payload_store(slots.x + place, payload);
 #ifdef TEXELS
-    put_placed(places_of(position), place, record.x);
+    put_placed(texel_of(places_of(position), place), record.x);
 #endif
 }
 

@@ -20,9 +20,10 @@ struct Block {
     uint inner;         // index in the block
 };
 Block block_of(uvec2 position) {
-    uvec2 p = position - strata_band.xy, corner = p & ~3u, at = p & 3u;
-    uvec2 size = min(strata_band.zw - corner, uvec2(4u));
-    return Block(corner.y * strata_band.z + corner.x * size.y, size.x * size.y, at.y * size.x + at.x);
+    uvec4 band = strata_band_at();
+    uvec2 p = position - band.xy, corner = p & ~3u, at = p & 3u;
+    uvec2 size = min(band.zw - corner, uvec2(4u));
+    return Block(corner.y * band.z + corner.x * size.y, size.x * size.y, at.y * size.x + at.x);
 }
 uint block_index(uvec2 position) {
     Block block = block_of(position);

@@ -15,13 +15,9 @@ Places places_of(uvec2 position) {
     return Places(block.first * (params.k + 1u) + block.inner, block.pixels);
 }
 
-ivec2 place_texel(Places places, uint place) {
-    uint at = places.first + place * places.step;
-    return ivec2(at % PLACED_ROW, at / PLACED_ROW);
-}
+uint texel_of(Places places, uint place) { return places.first + place * places.step; }
+ivec2 place_texel(uint at) { return ivec2(at % PLACED_ROW, at / PLACED_ROW); }
 
-uint placed_at(Places places, uint place) { return imageLoad(placed, place_texel(places, place)).x; }
+uint placed_at(uint at) { return imageLoad(placed, place_texel(at)).x; }
 
-void put_placed(Places places, uint place, uint word) {
-    imageStore(placed, place_texel(places, place), uvec4(word));
-}
+void put_placed(uint at, uint word) { imageStore(placed, place_texel(at), uvec4(word)); }

@@ -25,7 +25,7 @@ layout(std140) uniform StrataFrame {
 #define STRATA_VARYING in
 #endif
 layout(location = 13) flat STRATA_VARYING vec4 strata_flat_eye;
-layout(location = 14) flat STRATA_VARYING uvec2 strata_flat_rows; // a row's length; the first pixel
+layout(location = 14) flat STRATA_VARYING uvec4 strata_flat_band;
 #endif
 
 // Where the eye is (w = 1), or the direction towards it (w = 0).
@@ -37,19 +37,19 @@ vec4 strata_eye_at() {
 #endif
 }
 
-// Length of a row of the band, and what the pixel at (0, 0) of the image would be its index.
-uvec2 strata_rows() {
+uvec4 strata_band_at() {
 #if defined(STRATA_FLAT) && defined(STRATA_STAGE_FRAGMENT)
-    return strata_flat_rows;
+    return strata_flat_band;
 #else
-    return uvec2(strata_band.z, strata_band.y * strata_band.z + strata_band.x);
+    return strata_band;
 #endif
 }
 
 // Index of a pixel within the band, row by row: where its range in fragments/1 stands.
 uint strata_pixel(uvec2 position) {
-    uvec2 rows = strata_rows();
-    return position.y * rows.x + position.x - rows.y;
+    uvec4 band = strata_band_at();
+    uvec2 p = position - band.xy;
+    return p.y * band.z + p.x;
 }
 
 uint strata_pixel_count() { return strata_band.z * strata_band.w; }

@@ -154,7 +154,7 @@ void strata_write_material(StrataMaterial material) {
 void strata_write_frame() {
 #ifdef STRATA_FLAT
     strata_flat_eye = strata_eye;
-    strata_flat_rows = strata_rows();
+    strata_flat_band = strata_band;
 #endif
 #ifdef STRATA_FLAT_LIGHTS
     for (int i = 0; i < STRATA_LIGHT_COUNT; ++i) {
