@@ -37,6 +37,7 @@ vec4 strata_eye_at() {
 #endif
 }
 
+// The band, x, y, width, height.
 uvec4 strata_band_at() {
 #if defined(STRATA_FLAT) && defined(STRATA_STAGE_FRAGMENT)
     return strata_flat_band;

@@ -17,7 +17,7 @@ verdict() {
     fi
 }
 
-for program in test_hard hard_large test_exact test_bound test_kplus; do
+for program in test_hard hard_large test_exact test_agree test_bound test_kplus; do
     status=0
     "$tests/$program" 'no-such-*' >"$folder/out" 2>"$folder/err" || status=$?
     [ "$status" -eq 1 ] && [ ! -s "$folder/out" ] && [ "$(wc -l <"$folder/err")" -eq 1 ] &&
