@@ -44,10 +44,10 @@ uvec2 tile_count() { return (strata_frame_size.xy + TILE - 1u) / TILE; }
 #ifdef OCCUPANCY_DIVIDES // the one pass that writes them
 layout(rgba32ui) uniform writeonly uimage2D tiles;
 #else
-uniform usampler2D tiles;
+layout(rgba32ui) uniform readonly uimage2D tiles; // no level to be found, as a sampler's
 
 Division division_at(uvec2 position) {
-    uvec4 t = texelFetch(tiles, ivec2(position / TILE), 0);
+    uvec4 t = imageLoad(tiles, ivec2(position / TILE));
     return Division(t.x, t.y, t.z, t.w);
 }
 #endif
