@@ -292,26 +292,32 @@ static void nothing_non_finite_leaves(void **state) {
     scene_free(t.s);
 }
 
-/* A white matt wall under one lamp of pi lux straight ahead shows 1, and what the sky adds. */
+/* A white matt wall under lamps of pi lux together, straight ahead, shows 1, and what the sky adds.
+ */
 static void check_lambert(const drawing *d, const void *user) {
     const double *share = user;
     close_to(stage_pixel(d, 8, 8)[1], *share, 0.02);
 }
 
-static double wall(float cosine) {
+static double wall(float cosine, uint32_t lamps) {
     stage t = stage_new();
     uint32_t m = stage_material(&t, 0.5f, 0.5f, 0.5f);
     scene_material *material = &t.s->materials[m];
     material->unlit = 0;
     material->metallic = 0;
     material->ior = 1; /* no mirror */
-    t.s->lights = base_calloc(1, sizeof *t.s->lights);
+    t.s->lights = base_calloc(lamps, sizeof *t.s->lights);
     assert_non_null(t.s->lights);
-    t.s->light_count = 1;
-    t.s->lights[0] = (scene_light){.kind = SCENE_DIRECTIONAL,
-                                   .node = SCENE_NONE,
-                                   .color = {3.14159265f, 3.14159265f, 3.14159265f},
-                                   .direction = {sqrtf(1 - cosine * cosine), 0, -cosine}};
+    t.s->light_count = lamps;
+    for (uint32_t i = 0; i < lamps; i++) { /* the last one is as bright as all others */
+        const float lux = 3.14159265f / (lamps == 1       ? 1.0f
+                                         : i + 1 == lamps ? 2.0f
+                                                          : 2.0f * (float)(lamps - 1));
+        t.s->lights[i] = (scene_light){.kind = SCENE_DIRECTIONAL,
+                                       .node = SCENE_NONE,
+                                       .color = {lux, lux, lux},
+                                       .direction = {sqrtf(1 - cosine * cosine), 0, -cosine}};
+    }
     stage_quad(&t, m, -1, -1, 1, 1, 0);
     stage_finish(&t);
     const double sky = 0.5 * 0.375; /* a wall sees as much of it as ground */
@@ -323,7 +329,9 @@ static double wall(float cosine) {
 
 static void light_falls_with_the_cosine(void **state) {
     (void)state;
-    assert_true(wall(1.0f) > wall(0.5f));
+    assert_true(wall(1.0f, 1) > wall(0.5f, 1));
+    wall(1.0f, 4); /* as many as come flat */
+    wall(1.0f, 5);
 }
 
 static void check_bump(const drawing *d, const void *user) {
