@@ -20,7 +20,7 @@ struct Block {
     uint inner;         // index in the block
 };
 Block block_of(uvec2 position) {
-    uvec4 band = strata_band_at();
+    uvec4 band = strata_frame_band();
     uvec2 p = position - band.xy, corner = p & ~3u, at = p & 3u;
     uvec2 size = min(band.zw - corner, uvec2(4u));
     return Block(corner.y * band.z + corner.x * size.y, size.x * size.y, at.y * size.x + at.x);

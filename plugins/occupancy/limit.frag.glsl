@@ -10,7 +10,7 @@ uniform usampler2DArray mask;
 
 // The bucket of the k-th set bit; false when fewer are set.
 bool find_bucket(uvec2 position, out uint bucket) {
-    ivec2 texel = ivec2(position - strata_band_at().xy);
+    ivec2 texel = ivec2(position - strata_frame_band().xy);
     uint left = OCCUPANCY_NEAREST;
     for (uint i = 0u; i < OCCUPANCY_WORDS; ++i) {
         uint word = texelFetch(mask, ivec3(texel, i), 0).x, count = uint(bitCount(word));

@@ -15,7 +15,7 @@ void main() {
         discard;
     uvec2 position = uvec2(gl_FragCoord.xy);
     uint bucket = bucket_of(division_at(position), strata_key(gl_FragCoord.z));
-    ivec3 word = ivec3(position - strata_band_at().xy, bucket >> 5);
+    ivec3 word = ivec3(position - strata_frame_band().xy, bucket >> 5);
     uint bit = 1u << (bucket & 31u);
 #ifdef ORDERED
     imageStore(mask, word, uvec4(imageLoad(mask, word).x | bit));

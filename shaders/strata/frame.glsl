@@ -28,27 +28,18 @@ layout(location = 13) flat STRATA_VARYING vec4 strata_flat_eye;
 layout(location = 14) flat STRATA_VARYING uvec4 strata_flat_band;
 #endif
 
-// Where the eye is (w = 1), or the direction towards it (w = 0).
-vec4 strata_eye_at() {
+// strata_eye and strata_band, the cheaper way.
 #if defined(STRATA_FLAT) && defined(STRATA_STAGE_FRAGMENT)
-    return strata_flat_eye;
+vec4 strata_frame_eye() { return strata_flat_eye; }
+uvec4 strata_frame_band() { return strata_flat_band; }
 #else
-    return strata_eye;
+vec4 strata_frame_eye() { return strata_eye; }
+uvec4 strata_frame_band() { return strata_band; }
 #endif
-}
-
-// The band, x, y, width, height.
-uvec4 strata_band_at() {
-#if defined(STRATA_FLAT) && defined(STRATA_STAGE_FRAGMENT)
-    return strata_flat_band;
-#else
-    return strata_band;
-#endif
-}
 
 // Index of a pixel within the band, row by row: where its range in fragments/1 stands.
 uint strata_pixel(uvec2 position) {
-    uvec4 band = strata_band_at();
+    uvec4 band = strata_frame_band();
     uvec2 p = position - band.xy;
     return p.y * band.z + p.x;
 }

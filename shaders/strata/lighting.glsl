@@ -40,7 +40,7 @@ precise vec3 strata_bend(StrataTexture t, StrataSlopes slopes, vec3 normal, vec3
 #endif
 
 precise vec3 strata_towards_eye() {
-    vec4 eye = strata_eye_at();
+    vec4 eye = strata_frame_eye();
     return eye.w != 0.0 ? strata_unit(eye.xyz - strata_in_position) : eye.xyz;
 }
 

@@ -292,8 +292,7 @@ static void nothing_non_finite_leaves(void **state) {
     scene_free(t.s);
 }
 
-/* A white matt wall under lamps of pi lux together, straight ahead, shows 1, and what the sky adds.
- */
+/* A white matt wall under lamps of pi lux together shows 1, and what the sky adds. */
 static void check_lambert(const drawing *d, const void *user) {
     const double *share = user;
     close_to(stage_pixel(d, 8, 8)[1], *share, 0.02);

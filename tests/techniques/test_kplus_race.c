@@ -30,7 +30,7 @@ static const char effects[] =
 /* In place of strata/frame.glsl: a band of three pixels, side by side. */
 #define FRAME                                                                                      \
     "#define STRATA_FRAME_GLSL\n"                                                                  \
-    "uvec4 strata_band_at() { return uvec4(0u, 0u, 3u, 1u); }\n"                                   \
+    "uvec4 strata_frame_band() { return uvec4(0u, 0u, 3u, 1u); }\n"                                \
     "uint strata_pixel(uvec2 position) { return position.x; }\n"                                   \
     "uint strata_pixel_count() { return 3u; }\n"
 
