@@ -14,21 +14,27 @@
 
 #define AIM     0.98 /* of the target: it shall be met, not missed by a little */
 #define LARGEST 4.0  /* factor between two levels */
+#define ALIKE   0.25 /* of a time: another differs by noise */
+#define TWISTED 2.0  /* factor between the steepness of times and what is expected */
 #define OTHER   1.5  /* factor between the times of two scenes */
 
-budget_rule budget_begin(double target, double minimum, double maximum, double level) {
+budget_rule budget_begin(double target, double minimum, double maximum, double level, double base) {
     return (budget_rule){.target = target,
                          .minimum = minimum,
                          .maximum = maximum,
+                         .base = base,
                          .level = fmin(fmax(floor(level), minimum), maximum)};
 }
 
-/* By the line through what was measured; where that is flat or falls, as far as is allowed. */
+/* By the line through what was measured. Two times that differ by little may be noise: where a
+ * steepness is expected it is that within TWISTED then; else, where none rises, as far as may be. */
 static double propose(const budget_rule *r) {
-    const double aim = AIM * r->target;
-    if (!(r->other > 0.0))
-        return r->level * aim / r->ms;
-    const double slope = (r->ms - r->other_ms) / (r->level - r->other);
+    const double aim = AIM * r->target, expected = r->ms / (r->base + r->level);
+    double slope = expected;
+    if (r->other > 0.0)
+        slope = (r->ms - r->other_ms) / (r->level - r->other);
+    if (r->base > 0.0 && fabs(r->ms - r->other_ms) < ALIKE * r->ms)
+        slope = fmin(fmax(slope, expected / TWISTED), expected * TWISTED);
     if (slope > 0.0)
         return r->level + (aim - r->ms) / slope;
     return r->ms > r->target ? r->level / LARGEST : r->level * LARGEST;
@@ -130,8 +136,7 @@ static budget_step replan(budget_watch *w) {
     return BUDGET_REPLANS;
 }
 
-/* The second fastest of the recent frames: what disturbs a frame makes it slower, never faster. */
-static double lasting(const budget_watch *w) {
+double budget_lasting(const budget_watch *w) {
     double least = HUGE_VAL, second = HUGE_VAL;
     for (uint32_t i = 0; i < w->judged; i++) {
         second = fmin(second, fmax(least, w->recent[i]));
@@ -144,7 +149,7 @@ static double lasting(const budget_watch *w) {
  * to come, by a quarter at times. */
 static int is_late(const budget_watch *w) {
     static const double times[BUDGET_RECENT] = {1.5, 1.3, 1.3, BUDGET_MET};
-    return lasting(w) > times[w->judged - 1] * w->asked;
+    return budget_lasting(w) > times[w->judged - 1] * w->asked;
 }
 
 static budget_step follow_fixed(budget_watch *w, uint32_t payload) {

@@ -4,9 +4,9 @@
  * were told.
  *
  * The feedback rule: what one knob is set to next. Callahan et al. (SIBGRAPI 2005 course): next =
- * previous * target time / render time, a straight line through the origin; here the line goes
- * through the last two settings that were measured, once there are two, and stays between what fits
- * and what does not.
+ * previous * target time / render time, a straight line through the origin; here through -base, by
+ * what the plan expects, or through the last two settings that were measured, once there are two,
+ * where that is as steep as expected; and it stays between what fits and what does not.
  */
 #ifndef STRATA_HOST_BUDGET_H
 #define STRATA_HOST_BUDGET_H
@@ -21,6 +21,7 @@ typedef struct budget_rule {
     double target;           /* ms */
     double minimum, maximum; /* whole; more is more accurate, and takes longer */
     double level;            /* the knob */
+    double base;             /* times are expected to be proportional to this + level; 0: unknown */
     double ms;               /* mean of the frames at this level */
     uint32_t frames;         /* of them */
     double settled_ms;       /* above 0: settled for, and how long that took */
@@ -29,7 +30,7 @@ typedef struct budget_rule {
 } budget_rule;
 
 /* 1 <= minimum <= maximum; level is clamped to them. */
-budget_rule budget_begin(double target, double minimum, double maximum, double level);
+budget_rule budget_begin(double target, double minimum, double maximum, double level, double base);
 
 /* Takes the time of a frame at rule->level. 1: level has changed. */
 int budget_measure(budget_rule *rule, double ms);
@@ -59,6 +60,9 @@ typedef enum budget_step {
 void budget_planned(budget_watch *watch, const budget_rule *rule);
 /* Takes the time of a frame that says something. */
 void budget_take(budget_watch *watch, double ms);
+/* The second fastest of the recent frames, one or more: what disturbs a frame makes it slower,
+ * never faster. */
+double budget_lasting(const budget_watch *watch);
 /* What follows from the frame that was taken last, with records of that STRATA_PAYLOAD_*. */
 budget_step budget_follow(budget_watch *watch, uint32_t payload);
 

@@ -234,9 +234,23 @@ void plan_turn(plan *p, double value) {
     plan_technique *t = turned(p);
     if (!t)
         return;
+    const double cost = p->cost + p->turned_each * (value - t->values[p->turned_knob]);
     t->values[p->turned_knob] = value;
     if (p->nearest > 0)
         p->nearest = (uint32_t)value;
+    if (p->cost == PLAN_NO_COST || !(cost > 0.0))
+        return;
+    if (p->ms != PLAN_NO_COST)
+        p->ms *= cost / p->cost;
+    p->cost = cost;
+}
+
+void plan_expect(plan *p, const plan *later) {
+    p->cost = later->cost;
+    p->ms = later->ms;
+    p->turned_least = later->turned_least;
+    p->turned_most = later->turned_most;
+    p->turned_each = later->turned_each;
 }
 
 double plan_floors(const plan *p, double cost) {

@@ -135,6 +135,7 @@ typedef struct plan {
     const modules_technique_note *turned;
     uint32_t turned_knob;
     double turned_least, turned_most;
+    double turned_each;       /* what a step of the knob costs; 0: unknown */
     uint32_t exact;           /* 1: what folds keeps every fragment, in order */
     double cost;              /* of all that runs, PLAN_NO_COST when unknown */
     double ms;                /* that it is expected to take; PLAN_NO_COST when unknown */
@@ -160,9 +161,11 @@ const plan_effect *plan_material_effect(const plan *p, const scene_material *mat
 /* NULL when that technique does not run. */
 const plan_technique *plan_find(const plan *p, const char *id);
 
-/* The knob that is turned, and turning it: `nearest` follows. */
+/* The knob that is turned, and turning it: `nearest` and what is expected follow. */
 double plan_turned(const plan *p); /* 0 when there is none */
 void plan_turn(plan *p, double value);
+/* Takes what a later plan for the same frame expects; they differ in nothing that runs. */
+void plan_expect(plan *p, const plan *later);
 
 /* Cost as a multiple of the floor, blending each transparent fragment once; PLAN_NO_COST when
  * unknown or when there are no fragments. */

@@ -126,6 +126,14 @@ int plan_fit_way(const plan_work *w, plan_way *way, double room) {
     return 1;
 }
 
+/* What a kept fragment costs, on the way from the least to the most; 0: unknown. */
+static double each_of(const plan_work *w, const plan_way *chosen) {
+    const plan_candidate *holder = plan_holder(chosen);
+    const double low = least(holder), high = most(w, holder),
+                 each = (cost_at(w, chosen, high) - cost_at(w, chosen, low)) / (high - low);
+    return isfinite(each) && each > 0.0 ? each : 0.0;
+}
+
 void plan_settle_budget(plan_work *w, const plan_way *chosen) {
     plan_candidate *holder = plan_holder(chosen);
     const int payload = costs_payload_knob(holder->note), count = costs_count_knob(holder->note);
@@ -138,6 +146,7 @@ void plan_settle_budget(plan_work *w, const plan_way *chosen) {
     w->out->turned_knob = (uint32_t)count;
     w->out->turned_least = least(holder);
     w->out->turned_most = most(w, holder);
+    w->out->turned_each = each_of(w, chosen);
 }
 
 /* Adds to the reason of what holds. */

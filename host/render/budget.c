@@ -22,11 +22,19 @@ void render_budget_begin(strata *s, double asked) {
     s->budget.watch.asked = asked;
 }
 
+/* How many steps of the knob take as long as what a frame of this plan does besides; 0: unknown. */
+static double base_of(const render_budget *b, const plan *p) {
+    const double unit = p->ms > 0 ? p->ms / p->cost : 0; /* ms of a blended fragment */
+    if (!(p->cost > 0) || !(p->turned_each > 0))
+        return 0;
+    return fmax((p->cost + (unit > 0 ? b->beside / unit : 0)) / p->turned_each - plan_turned(p), 0);
+}
+
 void render_budget_planned(strata *s) {
     budget_watch *w = &s->budget.watch;
     const plan *p = s->session->plan;
-    const budget_rule rule =
-        budget_begin(w->asked, p->turned_least, p->turned_most, plan_turned(p));
+    const budget_rule rule = budget_begin(w->asked, p->turned_least, p->turned_most, plan_turned(p),
+                                          base_of(&s->budget, p));
     s->budget.replan = 0;
     budget_planned(w, p->turned ? &rule : NULL);
 }
@@ -42,27 +50,33 @@ static strata_result note(render_budget *b, render_budget_frame frame, base_erro
     return STRATA_OK;
 }
 
-/* The frames so far are added to what is known of the device, for this sequence alone. */
+/* Frames of what was never measured here are added to what is known of the device, for this
+ * sequence alone, in the pace that the device had then. */
 static strata_result learn(strata *s, const render_figures *figures, base_error *err) {
     render_budget *b = &s->budget;
+    const double pace = b->ns > 0 && s->costs.ns > 0 ? b->ns / s->costs.ns : 1;
     if (!b->costs.techniques && !costs_copy(&s->costs, &b->costs))
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "budget: out of memory");
-    if (render_learn_frame(s, &b->costs))
-        b->beside = figures->ms > figures->gpu_ms ? figures->ms - figures->gpu_ms : 0;
+    if (figures->gpu_ms > 0)
+        b->beside = fmax(figures->ms - figures->gpu_ms, 0);
+    if (!render_knows_frame(s))
+        render_learn_frame(s, &b->costs, pace);
     return STRATA_OK;
 }
 
-/* Another plan, by what was learnt. Where passes are not timed the frames say how long a blended
- * fragment of this plan takes. */
+/* Another plan, by what was learnt. Where all that runs was measured here before, what differs is
+ * the pace of the device: others are as much slower, or faster. So it is where passes are not
+ * timed. */
 static strata_result plan_again(strata *s, base_error *err) {
     render_budget *b = &s->budget;
     const plan *p = s->session->plan;
+    const double ms = budget_lasting(&b->watch) - b->beside;
     b->replan = 1;
     strata_result r = render_costs_fit(s, &b->costs, err);
-    if (b->costs.ns > 0)
+    if (!(b->costs.ns > 0) || render_knows_frame(s))
+        b->ns = p->cost > 0 && ms > 0 ? ms * 1e6 / p->cost : 0;
+    else if (!(s->costs.ns > 0))
         b->ns = 0;
-    else if (p->cost > 0)
-        b->ns = b->watch.ms * 1e6 / p->cost;
     return r;
 }
 

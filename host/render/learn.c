@@ -68,7 +68,7 @@ static double kept_by(const plan *p) {
     return 0;
 }
 
-int render_learn_frame(const strata *s, costs *c) {
+int render_learn_frame(const strata *s, costs *c, double pace) {
     const render_session *session = s->session;
     const render_result *result = &s->result;
     const render_figures *last = &result->frames[result->frame_count - 1];
@@ -84,9 +84,24 @@ int render_learn_frame(const strata *s, costs *c) {
         const double ms = time_of(result, t->technique->id);
         costs_terms(t->technique, &session->plan->stats, kept_by(session->plan), terms);
         costs_name(t->technique, form, name);
-        learnt |= is_typical(t) && costs_add(c, name, terms, ms);
+        learnt |= is_typical(t) && costs_add(c, name, terms, ms / pace);
     }
     return learnt;
+}
+
+int render_knows_frame(const strata *s) {
+    const plan *p = s->session->plan;
+    const costs_form form = {.layout = p->layout, .payload = p->payload.precision};
+    int timed = 0;
+    for (uint32_t i = 0; i < p->technique_count; ++i) {
+        const plan_technique *t = &p->techniques[i];
+        if (!(time_of(&s->result, t->technique->id) > 0))
+            continue;
+        if (!is_typical(t) || !costs_knows(&s->costs, t->technique, form))
+            return 0;
+        timed = 1;
+    }
+    return timed;
 }
 
 void render_learn_keep(strata *s) {

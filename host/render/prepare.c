@@ -278,16 +278,38 @@ strata_result render_session_keep(strata *s, const strata_render_options *option
     return drop_failed(s, refresh(s->session, options, err));
 }
 
-strata_result render_session_turn(render_session *session, double value, base_error *err) {
+static void turn(render_session *session, double value) {
     plan_turn(session->plan, value);
+    session->changed |= STRATA_CHANGED_SETTINGS;
+    session->prepared = 0;
+}
+
+strata_result render_session_turn(render_session *session, double value, base_error *err) {
+    turn(session, value);
     char *key = plan_key(session->plan);
     if (!key)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "plan: out of memory");
     free(session->plan_text);
     session->plan_text = key;
-    session->changed |= STRATA_CHANGED_SETTINGS;
-    session->prepared = 0;
     return STRATA_OK;
+}
+
+/* Whether the session runs what the plan of this key does, or may with its knob turned: so it is.
+ */
+static int turn_alike(render_session *session, plan *p, const char *key) {
+    const double mine = plan_turned(session->plan), theirs = plan_turned(p);
+    if (strcmp(session->plan_text, key) == 0)
+        return 1;
+    if (!p->turned || p->turned != session->plan->turned)
+        return 0;
+    plan_turn(p, mine);
+    char *turned = plan_key(p);
+    const int alike = turned && strcmp(session->plan_text, turned) == 0;
+    free(turned);
+    plan_turn(p, theirs);
+    if (alike)
+        turn(session, theirs);
+    return alike;
 }
 
 strata_result render_session_open(strata *s, scene *sc, const strata_render_options *options,
@@ -300,7 +322,8 @@ strata_result render_session_open(strata *s, scene *sc, const strata_render_opti
         plan_free(p);
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "plan: out of memory");
     }
-    if (fits(s->session, sc, options) && strcmp(s->session->plan_text, key) == 0) {
+    if (fits(s->session, sc, options) && turn_alike(s->session, p, key)) {
+        plan_expect(s->session->plan, p);
         r = refresh(s->session, options, err);
         plan_free(p);
     } else {

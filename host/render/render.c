@@ -224,7 +224,7 @@ static strata_result render_frames(strata *s, const strata_render_options *optio
             return r;
         result->frames[result->frame_count++] = figures_of(s, &before, base_now_ms() - begin);
         if (options->learn)
-            result->learnt |= (uint32_t)render_learn_frame(s, &s->costs);
+            result->learnt |= (uint32_t)render_learn_frame(s, &s->costs, 1);
         r = render_budget_learn(s, options, err);
         if (r != STRATA_OK)
             return r;

@@ -224,7 +224,7 @@ typedef struct render_budget {
     budget_watch watch;
     costs costs;                 /* what the device's are, and what the frames add to them */
     double beside;               /* ms of a frame that are not its passes' */
-    double ns;                   /* of a blended fragment, where passes are not timed; 0: unknown */
+    double ns;                   /* of a blended fragment, as frames took it; 0: as costs say */
     double deepest;              /* most fragments in one pixel that its frames reported */
     uint32_t replan;             /* 1: the next frame wants another plan */
     int recorded_again;          /* the last frame was */
@@ -361,8 +361,11 @@ json_t *render_budget_json(const strata *s); /* null when there is none */
 /* ---- learn.c --------------------------------------------------------------------------------- */
 /* What is known of the device that was just opened. */
 strata_result render_costs_load(strata *s, base_error *err);
-/* Adds the frame that just ended; 0: it is not typical, or passes are not timed. */
-int render_learn_frame(const strata *s, costs *c);
+/* Adds the frame that just ended, its times divided by `pace`; 0: it is not typical, or passes are
+ * not timed. */
+int render_learn_frame(const strata *s, costs *c, double pace);
+/* Whether all of it that was timed was measured on this device before. */
+int render_knows_frame(const strata *s);
 /* What the frames of this render added: fits and saves it. */
 void render_learn_keep(strata *s);
 strata_result render_costs_fit(strata *s, costs *c, base_error *err);

@@ -5,6 +5,7 @@
  */
 #include "unit/plan_fixture.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -199,6 +200,36 @@ static void turning_follows(void **state) {
     plan_free(p);
 }
 
+static void is_near(double value, double expected) {
+    if (!(fabs(value - expected) <= 1e-9 * expected))
+        fail_msg("%.12g, not %.12g", value, expected);
+}
+
+/* 1 + k / 10 ms, a thousand units each. */
+static void expectations_turn_with_the_knob(void **state) {
+    (void)state;
+    kit k;
+    demand d;
+    const request five = {FOR(SET, "b"), US, .budget = 1.55},
+                  ten = {FOR(SET, "b"), US, .budget = 3.6};
+    plan *p = get(&five, &k, &d);
+    is_near(p->turned_each, 100);
+    plan_turn(p, 3);
+    is_near(p->cost, 1300);
+    is_near(p->ms, 1.3);
+    plan *later = get(&ten, &k, &d);
+    later->ms *= 2;
+    later->turned_each /= 2;
+    plan_turn(p, 10);
+    plan_expect(p, later);
+    is_near(p->cost, 2000);
+    is_near(p->ms, 4);
+    plan_turn(p, 5);
+    is_near(p->ms, 3.5);
+    plan_free(later);
+    plan_free(p);
+}
+
 static void exact_ways_say_whether_they_fit(void **state) {
     (void)state;
     static const struct {
@@ -225,6 +256,7 @@ int main(void) {
         cmocka_unit_test(what_fits_is_taken),
         cmocka_unit_test(payloads_are_traded_where_they_were_measured),
         cmocka_unit_test(turning_follows),
+        cmocka_unit_test(expectations_turn_with_the_knob),
         cmocka_unit_test(exact_ways_say_whether_they_fit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
