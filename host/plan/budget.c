@@ -10,9 +10,9 @@
 #define LOW 0.9 /* of the target: from there to BUDGET_NEAR a level stays */
 
 /* Of the target: a frame that takes longer is believed at once, others twice. */
-#define DOUBT 1.25
+#define DOUBT 2.0
 
-#define AIM     0.98 /* of the target: it shall be met, not missed by a little */
+#define AIM     0.95 /* of the target: it shall be met, not missed by a little */
 #define LARGEST 4.0  /* factor between two levels */
 #define ALIKE   0.25 /* of a time: another differs by noise */
 #define TWISTED 2.0  /* factor between the steepness of times and what is expected */
@@ -77,8 +77,8 @@ static int stays(const budget_rule *r) {
 }
 
 int budget_measure(budget_rule *r, double ms) {
-    r->frames += r->frames < BUDGET_RECENT;
-    r->ms += (ms - r->ms) / r->frames;
+    r->frames++;
+    r->ms = ms;
     if (r->settled_ms > 0.0) {
         if (stays(r))
             return 0;
@@ -100,7 +100,6 @@ int budget_measure(budget_rule *r, double ms) {
     r->other_ms = r->ms;
     r->level = next;
     r->frames = 0;
-    r->ms = 0.0;
     return 1;
 }
 
@@ -142,7 +141,7 @@ double budget_lasting(const budget_watch *w) {
         second = fmin(second, fmax(least, w->recent[i]));
         least = fmin(least, w->recent[i]);
     }
-    return w->judged > 1 ? second : least;
+    return w->judged > 2 ? second : least;
 }
 
 /* The fewer frames there are the less is believed: the first ones of a plan are slower than those
@@ -162,7 +161,7 @@ static budget_step follow_fixed(budget_watch *w, uint32_t payload) {
 static budget_step follow_turned(budget_watch *w) {
     const budget_rule *rule = &w->rule;
     const double before = rule->level;
-    if (budget_measure(&w->rule, w->recent[0])) {
+    if (budget_measure(&w->rule, budget_lasting(w))) {
         /* Something else may now be expected to give up less, where much is. A frame that prepares
          * is too much for the little by which a scene drifts. */
         if (rule->level < MUCH * before && w->replans < TRUSTS)
@@ -170,7 +169,8 @@ static budget_step follow_turned(budget_watch *w) {
         forget(w);
         return BUDGET_TURNS;
     }
-    w->stuck = rule->level <= rule->minimum && w->ms > BUDGET_MET * w->asked;
+    w->stuck = rule->level <= rule->minimum && w->judged > 1 &&
+               budget_lasting(w) > BUDGET_MET * w->asked;
     if (w->stuck)
         return replan(w); /* with others there may be room for more */
     if (rule->level >= rule->maximum && w->ms <= w->asked && !w->late && !w->retried) {

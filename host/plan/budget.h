@@ -22,8 +22,8 @@ typedef struct budget_rule {
     double minimum, maximum; /* whole; more is more accurate, and takes longer */
     double level;            /* the knob */
     double base;             /* times are expected to be proportional to this + level; 0: unknown */
-    double ms;               /* mean of the frames at this level */
-    uint32_t frames;         /* of them */
+    double ms;               /* that frames at this level take */
+    uint32_t frames;         /* from which that is known */
     double settled_ms;       /* above 0: settled for, and how long that took */
     double other, other_ms;  /* another level that was measured; 0: none */
     double fits, misses;     /* levels below and above the one sought for; 0: unknown */
@@ -32,7 +32,7 @@ typedef struct budget_rule {
 /* 1 <= minimum <= maximum; level is clamped to them. */
 budget_rule budget_begin(double target, double minimum, double maximum, double level, double base);
 
-/* Takes the time of a frame at rule->level. 1: level has changed. */
+/* Takes what frames at rule->level take, after each of them. 1: level has changed. */
 int budget_measure(budget_rule *rule, double ms);
 
 /* The plans of a sequence: one that keeps all and takes too long is given up for one that turns a
@@ -60,8 +60,8 @@ typedef enum budget_step {
 void budget_planned(budget_watch *watch, const budget_rule *rule);
 /* Takes the time of a frame that says something. */
 void budget_take(budget_watch *watch, double ms);
-/* The second fastest of the recent frames, one or more: what disturbs a frame makes it slower,
- * never faster. */
+/* What frames take: the second fastest of the recent ones, of two or one the fastest, for what
+ * disturbs a frame makes it slower, never faster. */
 double budget_lasting(const budget_watch *watch);
 /* What follows from the frame that was taken last, with records of that STRATA_PAYLOAD_*. */
 budget_step budget_follow(budget_watch *watch, uint32_t payload);
