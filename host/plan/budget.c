@@ -68,7 +68,7 @@ static double next_level(const budget_rule *r) {
 /* Whether a level that was settled for is as good as it was. One whose time is not the target, for
  * there is none between it and the next, is left only when frames are quite different ones. */
 static int stays(const budget_rule *r) {
-    const double late = r->target * BUDGET_MET;
+    const double late = r->target * BUDGET_LATE;
     if (r->settled_ms > BUDGET_NEAR * r->target)
         return r->ms <= r->settled_ms * OTHER && r->ms * OTHER >= r->settled_ms;
     const double early =
@@ -107,7 +107,7 @@ int budget_measure(budget_rule *r, double ms) {
 
 #define MOST_REPLANS 8u  /* in a sequence: each costs a frame that prepares */
 #define MUCH         0.8 /* of what was kept: less was not what was expected to fit */
-#define TRUSTS       3u  /* so many of them where what was expected to fit does not */
+#define TRUSTS       2u  /* so many of them where what was expected to fit does not */
 
 static void forget(budget_watch *w) {
     w->judged = 0; /* ms stays until there is another */
@@ -147,7 +147,7 @@ double budget_lasting(const budget_watch *w) {
 /* The fewer frames there are the less is believed: the first ones of a plan are slower than those
  * to come, by a quarter at times. */
 static int is_late(const budget_watch *w) {
-    static const double times[BUDGET_RECENT] = {1.5, 1.3, 1.3, BUDGET_MET};
+    static const double times[BUDGET_RECENT] = {1.5, 1.3, 1.2, BUDGET_LATE};
     return budget_lasting(w) > times[w->judged - 1] * w->asked;
 }
 

@@ -14,7 +14,8 @@
 #include <stdint.h>
 
 #define BUDGET_MET    1.15 /* of the target: met */
-#define BUDGET_NEAR   1.1  /* of the target: not worth a change */
+#define BUDGET_NEAR   1.05 /* of the target: not worth a change */
+#define BUDGET_LATE   1.1  /* of the target: worth one, before it is missed */
 #define BUDGET_RECENT 4u   /* frames that judgements go back */
 
 typedef struct budget_rule {

@@ -30,7 +30,7 @@ static void what_fits_is_taken(void **state) {
         const char *warning;
     } rows[] = {
         {{FOR(SET, "b"), US, .budget = 4}, "abuffer ppc", 0, NULL},
-        {{FOR(SET, "b"), US, .budget = 3.65}, "abuffer ppc", 0, NULL}, /* by little */
+        {{FOR(SET, "b"), US, .budget = 3.85}, "abuffer ppc", 0, NULL}, /* by little */
         {{FOR(SET, "b"), US, .budget = 3.6}, "kplus ppc", 10, NULL},
         {{FOR(SET, "b"), US, .budget = 1.55}, "kplus ppc", 5, NULL},
         {{FOR(SET, "b"), US, .budget = 1.1}, "kplus ppc", 1, NULL},
