@@ -9,7 +9,8 @@
 
 #define LOW 0.9 /* of the target: from there to BUDGET_NEAR a level stays */
 
-/* Of the target: a frame that takes longer is believed at once, others twice. */
+/* Of the target: a frame that takes so much longer is believed at once, others twice; and one that
+ * takes so much less, others three times: two may be fast by chance. */
 #define DOUBT 2.0
 
 #define AIM     0.95 /* of the target: it shall be met, not missed by a little */
@@ -27,7 +28,8 @@ budget_rule budget_begin(double target, double minimum, double maximum, double l
 }
 
 /* By the line through what was measured. Two times that differ by little may be noise: where a
- * steepness is expected it is that within TWISTED then; else, where none rises, as far as may be. */
+ * steepness is expected it is that within TWISTED then; else, where none rises, as far as may be.
+ */
 static double propose(const budget_rule *r) {
     const double aim = AIM * r->target, expected = r->ms / (r->base + r->level);
     double slope = expected;
@@ -89,6 +91,8 @@ int budget_measure(budget_rule *r, double ms) {
         return 0;
     }
     if (r->ms > r->target && r->ms <= DOUBT * r->target && r->frames < 2)
+        return 0;
+    if (r->ms < r->target && r->ms * DOUBT >= r->target && r->frames < 3)
         return 0;
     bracket(r);
     const double next = next_level(r);
@@ -169,8 +173,9 @@ static budget_step follow_turned(budget_watch *w) {
         forget(w);
         return BUDGET_TURNS;
     }
-    w->stuck = rule->level <= rule->minimum && w->judged > 1 &&
-               budget_lasting(w) > BUDGET_MET * w->asked;
+    w->stuck =
+        rule->level <= rule->minimum && w->judged > 1 && budget_lasting(w) > BUDGET_MET * w->asked;
+    w->least_late |= w->stuck;
     if (w->stuck)
         return replan(w); /* with others there may be room for more */
     if (rule->level >= rule->maximum && w->ms <= w->asked && !w->late && !w->retried) {

@@ -43,11 +43,12 @@ typedef struct budget_watch {
     double ms;                    /* mean of the recent frames with one plan and knob */
     double recent[BUDGET_RECENT]; /* their times; the last in [0] */
     uint32_t judged;              /* of them, since then, at most BUDGET_RECENT */
-    uint32_t late;    /* bit i: frames that keep all at STRATA_PAYLOAD_ i take too long */
-    uint32_t replans; /* asked for */
-    uint32_t retried; /* 1: exactness was weighed again, at the most that the knob takes */
-    uint32_t stuck;   /* 1: the least was set and takes too long */
-    uint32_t turns;   /* 1: the plan turns a knob, by `rule` */
+    uint32_t late;       /* bit i: frames that keep all at STRATA_PAYLOAD_ i take too long */
+    uint32_t replans;    /* asked for */
+    uint32_t retried;    /* 1: exactness was weighed again, at the most that the knob takes */
+    uint32_t stuck;      /* 1: the least was set and takes too long */
+    uint32_t least_late; /* 1: so it was with this plan, or one before */
+    uint32_t turns;      /* 1: the plan turns a knob, by `rule` */
     budget_rule rule;
 } budget_watch;
 

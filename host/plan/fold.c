@@ -352,9 +352,9 @@ static strata_result choose_within(search *s) {
     s->within = 1;
     s->cheapest = exact ? s->best : (way){0};
     take_ways(s, may_give, consider_within);
-    /* A bound is not given up for missing the budget by a little. */
-    const int near = s->cheapest.keeps > 0.0 && plan_fits(&s->cheapest, s->room);
-    for (uint32_t i = 0; i < w->count && !s->fitting.fold && !near; i++)
+    /* A bound is not given up for what is expected: frames must have told. */
+    const int open = s->cheapest.keeps > 0.0 && !w->in->least_late;
+    for (uint32_t i = 0; i < w->count && !s->fitting.fold && !open; i++)
         consider_approximate(s, &w->candidates[i]);
     if (s->fitting.fold || s->cheapest.fold)
         s->best = s->fitting.fold ? s->fitting : s->cheapest;

@@ -45,13 +45,14 @@ typedef struct plan_input {
     uint32_t exclusion_count;
     uint32_t samples;        /* sub-pixels a pixel, 0 = 1 */
     uint32_t need_fragments; /* 1: fragments/1 with every fragment is asked for (deep output) */
-    uint32_t raise;     /* times that the tolerance was missed; PLAN_RAISE_EXACT: the exact way */
-    double tolerance;   /* largest certified error accepted; 0 = exact techniques */
-    uint64_t memory;    /* bytes techniques may take, 0 = unknown */
-    const costs *costs; /* as measured on this device; NULL: the modules' own */
-    double budget;      /* ms that a frame may take, 0 = any; not under a tolerance */
-    double beside;      /* ms of that which go to other things than passes */
-    double ns;          /* of a blended fragment, as frames before took it; 0 = as `costs` say */
+    uint32_t raise;      /* times that the tolerance was missed; PLAN_RAISE_EXACT: the exact way */
+    double tolerance;    /* largest certified error accepted; 0 = exact techniques */
+    uint64_t memory;     /* bytes techniques may take, 0 = unknown */
+    const costs *costs;  /* as measured on this device; NULL: the modules' own */
+    double budget;       /* ms that a frame may take, 0 = any; not under a tolerance */
+    double beside;       /* ms of that which go to other things than passes */
+    double ns;           /* of a blended fragment, as frames before took it; 0 = as `costs` say */
+    uint32_t least_late; /* 1: frames that keep the least were measured, and miss the budget */
     uint32_t late; /* bit i: frames that keep all at STRATA_PAYLOAD_ i were measured, and miss the
                       budget */
 } plan_input;

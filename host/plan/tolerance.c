@@ -11,7 +11,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#define FIRST 4.0 /* fragments that a pixel which may grow begins with */
+#define FIRST        4.0  /* fragments that a pixel which may grow begins with */
+#define MOST_FOR_ALL 64.0 /* fragments that every pixel may have at once */
+#define CLEARER      0.6  /* of the mean optical depth: where fragments hide less */
+#define DEEPER       1.25 /* of the estimated depth */
 
 double plan_tolerance(const plan_input *in) {
     return in->raise < PLAN_RAISE_EXACT ? in->tolerance : 0.0;
@@ -37,14 +40,30 @@ static double nearest_for(const plan_input *in, const strata_knob *knob, int gro
     return grow ? knob->maximum : fmin(knob->preset * (double)(1u << in->raise), knob->maximum);
 }
 
+/* How many fragments are likely to leave no more than half of the tolerance of what is behind them,
+ * in pixels whose fragments hide less than the mean; no more than a little above the depth. */
+static double enough(const plan_input *in) {
+    const double each = CLEARER * in->stats->mean_optical_depth,
+                 deepest = DEEPER * in->stats->largest_depth,
+                 hidden = log(2.0 / fmin(in->tolerance, 1.0)) / each;
+    return fmax(1.0, ceil(fmin(hidden, deepest)));
+}
+
 /* A technique with the knobs `k` and `begin` finds the k of each pixel: from few to as many as the
- * certificate takes. */
+ * certificate takes. That records a moving view again and again: as many for all as are likely to
+ * be enough are tried before, where that takes not too much memory. */
 static void trade_nearest(const plan_input *in, plan_candidate *c) {
     const int nearest = plan_knob(c->note, "k"), begin = plan_knob(c->note, "begin");
     const strata_knob *k = nearest >= 0 ? c->note->knobs[nearest] : NULL;
     if (!k || !k->trades_accuracy || k->type != STRATA_KNOB_INT)
         return;
     const int grow = begin >= 0 && c->note->knobs[begin]->type == STRATA_KNOB_INT;
+    const int is_set = (c->set_knobs >> nearest & 1u) || (grow && (c->set_knobs >> begin & 1u));
+    if (grow && !is_set && in->raise == 0 && enough(in) <= fmin(MOST_FOR_ALL, k->maximum)) {
+        c->values[nearest] = enough(in);
+        c->values[begin] = 0;
+        return;
+    }
     if (!(c->set_knobs >> nearest & 1u))
         c->values[nearest] = nearest_for(in, k, grow);
     if (grow && !(c->set_knobs >> begin & 1u))

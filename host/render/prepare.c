@@ -122,6 +122,7 @@ strata_result render_plan(strata *s, scene *sc, const strata_render_options *opt
                         .budget = options->budget,
                         .beside = follows ? s->budget.beside : 0,
                         .ns = follows ? s->budget.ns : 0,
+                        .least_late = follows ? s->budget.watch.least_late : 0,
                         .late = follows ? s->budget.watch.late : 0};
     const modules_note **notes = NULL;
     strata_result r = render_modules(s, err);

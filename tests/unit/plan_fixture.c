@@ -523,6 +523,7 @@ strata_result ask(const request *r, kit *k, demand *d, plan **out, base_error *e
         .ns = r->ns,
         .beside = r->beside,
         .late = r->late,
+        .least_late = r->least_late,
     };
     snprintf(facts, sizeof facts, "%s", r->device ? r->device : everything);
     kit_make(k, r->installed);

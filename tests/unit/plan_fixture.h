@@ -51,7 +51,7 @@ typedef struct request {
     uint32_t samples, deep, raise;
     const costs *costs;
     double budget, beside, ns; /* in ms; of a fragment */
-    uint32_t late;
+    uint32_t late, least_late;
 } request;
 
 #define FOR(modules, letters) .installed = (modules), .scene = (letters)

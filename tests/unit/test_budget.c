@@ -64,23 +64,27 @@ static const struct row {
     {"stairs, from below", stairs, 50, 1},
 };
 
+/* No more than ten frames of twenty miss the budget, and then it is made the most of. */
 static void comes_within_ten_frames(void **state) {
     (void)state;
     static const double bases[] = {0, 5, 40, 300}; /* expected of all, and wrong for most */
     for (size_t i = 0; i < 4 * sizeof rows / sizeof *rows; i++)
         for (int noisy = 0; noisy < 2; noisy++) {
             const struct row *row = &rows[i / 4];
-            budget_rule r = budget_begin(row->target, 1, 254, row->level, bases[i % 4]);
-            unsigned frame = 0;
-            for (; frame < 10; frame++)
-                budget_measure(&r, row->ms(r.level) * (1.0 + 0.08 * noisy * noise(frame)));
-            const double ratio = row->ms(r.level) / row->target;
             const double off = 0.15 + 0.08 * noisy; /* what it sees is off by as much */
-            if (!(ratio <= 1.0 + off && ratio >= 1.0 - off))
-                fail_msg("%s%s, base %g: %g of the target at %g after ten frames", row->name,
-                         noisy ? ", with noise" : "", r.base, ratio, r.level);
+            budget_rule r = budget_begin(row->target, 1, 254, row->level, bases[i % 4]);
+            int missed = 0;
+            for (unsigned frame = 0; frame < 20; frame++) {
+                missed += row->ms(r.level) > (1.0 + off) * row->target;
+                budget_measure(&r, row->ms(r.level) * (1.0 + 0.08 * noisy * noise(frame)));
+            }
+            const double ratio = row->ms(r.level) / row->target;
+            if (!(missed <= 10 && ratio <= 1.0 + off && ratio >= 1.0 - off))
+                fail_msg("%s%s, base %g: missed in %d frames, and %g of the target at %g",
+                         row->name, noisy ? ", with noise" : "", bases[i % 4], missed, ratio,
+                         r.level);
             const double level = r.level;
-            for (; frame < 40 && !noisy; frame++)
+            for (unsigned frame = 0; frame < 30 && !noisy; frame++)
                 if (budget_measure(&r, row->ms(r.level)))
                     fail_msg("%s: leaves %g for %g", row->name, level, r.level);
         }
@@ -209,6 +213,16 @@ static void what_is_late_is_late_twice(void **state) {
     assert_int_equal(budget_measure(&r, 101), 1);
 }
 
+static void what_is_early_is_early_thrice(void **state) {
+    (void)state;
+    budget_rule r = budget_begin(50, 1, 254, 25, 0);
+    assert_int_equal(budget_measure(&r, 26), 0);
+    assert_int_equal(budget_measure(&r, 26), 0);
+    assert_int_equal(budget_measure(&r, 26), 1);
+    r = budget_begin(50, 1, 254, 25, 0);
+    assert_int_equal(budget_measure(&r, 24), 1);
+}
+
 /* ---- plans ----------------------------------------------------------------------------------- */
 
 static budget_step take(budget_watch *w, double ms) {
@@ -289,7 +303,7 @@ static void the_most_asks_for_exactness_once(void **state) {
     w.late = 1;
     assert_int_equal(take(&w, 60), BUDGET_STAYS);
     w = turning(8, 9);
-    assert_int_equal(take(&w, 60), BUDGET_TURNS);
+    assert_int_equal(take(&w, 49), BUDGET_TURNS);
 }
 
 /* At the least there is nothing more to give; another plan may have something. No more than eight
@@ -300,12 +314,12 @@ static void the_least_asks_for_other_plans(void **state) {
     int asked = 0;
     for (int frame = 0; frame < 30; frame++)
         asked += take(&w, 200) == BUDGET_REPLANS;
-    assert_int_equal(w.stuck, 1);
+    assert_true(w.stuck && w.least_late);
     assert_int_equal(asked, 8);
     assert_int_equal(w.replans, 8);
     const budget_rule rule = budget_begin(100, 1, 8, 4, 0);
     budget_planned(&w, &rule);
-    assert_int_equal(w.stuck, 0);
+    assert_true(!w.stuck && w.least_late);
     assert_int_equal(take(&w, 100), BUDGET_STAYS);
 }
 
@@ -320,6 +334,7 @@ int main(void) {
         cmocka_unit_test(follows_the_scene),
         cmocka_unit_test(small_changes_are_none),
         cmocka_unit_test(what_is_late_is_late_twice),
+        cmocka_unit_test(what_is_early_is_early_thrice),
         cmocka_unit_test(a_plan_is_given_up_for_lasting_lateness),
         cmocka_unit_test(a_knob_that_must_give_much_wants_a_plan),
         cmocka_unit_test(the_most_asks_for_exactness_once),

@@ -207,16 +207,17 @@ static void test_unused_are_gone(void **state) {
 /* The real vertex stage and a fragment stage that uses some of the same blocks. */
 static void test_stages_share(void **state) {
     fixture *f = *state;
-    const strata_glsl source = {"#include \"strata/frame.glsl\"\n"
-                                "#include \"strata/scene.glsl\"\n"
-                                "layout(location = 0) flat in uvec4 ids;\n"
-                                "layout(location = 0) out vec4 color;\n"
-                                "STRATA_PARAMS { vec4 scale; } params;\n"
-                                "void main() {\n"
-                                "    color = strata_material_at(ids.x).base_color * params.scale *\n"
-                                "            strata_background;\n"
-                                "}\n",
-                                "share.glsl"};
+    const strata_glsl source = {
+        "#include \"strata/frame.glsl\"\n"
+        "#include \"strata/scene.glsl\"\n"
+        "layout(location = 0) flat in uvec4 ids;\n"
+        "layout(location = 0) out vec4 color;\n"
+        "STRATA_PARAMS { vec4 scale; } params;\n"
+        "void main() {\n"
+        "    color = strata_material_at(ids.x).base_color * params.scale *\n"
+        "            strata_background;\n"
+        "}\n",
+        "share.glsl"};
     const strata_program_desc desc = {.struct_size = sizeof desc,
                                       .kind = STRATA_PROGRAM_SCENE,
                                       .label = "share",

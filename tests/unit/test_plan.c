@@ -185,11 +185,22 @@ static void tolerances_are_traded_and_raised(void **state) {
          "kplus",
          "k",
          5}, /* the user's stays */
-        /* what grows pixel by pixel begins with few and may grow to all, at every raise */
+        /* where pixels may grow, all first have what is likely to be enough: 1.25 x 10 deep, or
+         * log(2 / tolerance) / (0.6 x 0.3) fragments */
+        {{FOR("growk ppc over", "b"), .tolerance = 0.1}, "growk ppc", "growk", "k", 13},
+        {{FOR("growk ppc over", "b"), .tolerance = 0.1}, "growk ppc", "growk", "begin", 0},
+        {{FOR("growk ppc over", "b"), .tolerance = 0.5}, "growk ppc", "growk", "k", 8},
+        {{FOR("growk ppc over", "bd"), .tolerance = 0.5}, "growk ppc", "growk", "k", 8},
+        {{FOR("growk ppc over", "bd"), .tolerance = 1e-5}, "growk ppc", "growk", "begin", 4},
+        /* else they begin with few and may grow to all, at every raise */
         {{FOR("growk ppc over", "b"), .use = "growk"}, "growk ppc", "growk", "begin", 0},
-        {{FOR("growk ppc over", "b"), .tolerance = 0.1}, "growk ppc", "growk", "k", 64},
+        {{FOR("growk ppc over", "b"), .tolerance = 0.1, .raise = 1}, "growk ppc", "growk", "k", 64},
         {{FOR("growk ppc over", "b"), .tolerance = 0.1, .raise = 2}, "growk ppc", "growk", "k", 64},
-        {{FOR("growk ppc over", "b"), .tolerance = 0.1}, "growk ppc", "growk", "begin", 4},
+        {{FOR("growk ppc over", "b"), .tolerance = 0.1, .raise = 1},
+         "growk ppc",
+         "growk",
+         "begin",
+         4},
         {{FOR("growk ppc over", "b"), .tolerance = 0.1, .settings = {"growk.k=3"}},
          "growk ppc",
          "growk",
@@ -310,7 +321,12 @@ static void everything_has_its_reason(void **state) {
          "the cheapest way to fold about 1,000 fragments, with ppc: 1.98 x floor; for a tolerance "
          "of "
          "0.1 it begins with k from 4 to 5, pixel by pixel"},
-        {{FOR("growk abuffer ppc over", "b"), .tolerance = 0.1}, /* (1 + 1) * (1 + log2(10 / 4)) */
+        {{FOR("growk abuffer ppc over", "b"), .tolerance = 0.1},
+         "growk",
+         "the cheapest way to fold about 1,000 fragments, with ppc: 2 x floor; for a tolerance of "
+         "0.1 it begins with k 13"},
+        {{FOR("growk abuffer ppc over", "b"), .tolerance = 0.1, .raise = 1},
+         /* (1 + 1) * (1 + log2(10 / 4)) */
          "growk",
          "costs 4.64 against 4 of abuffer + ppc"},
         {{FOR("kplus abuffer ppc over", "b"), .tolerance = 0.1, .raise = 5},
