@@ -50,38 +50,42 @@ void store_record(uvec2 position, uvec2 slots, uint place, uvec2 record, StrataP
 }
 
 // With the pixel excluded: its next state. Slots beyond the count were never written and are never read.
-uvec2 place_record(uvec2 position, uvec2 cell, uvec2 record, StrataPayload payload) {
+// Where a record is dropped, this one or the one whose place it takes, `payload` becomes that one's.
+uvec2 place_record(uvec2 position, uvec2 cell, uvec2 record, inout StrataPayload payload,
+                   inout bool drops) {
     uvec2 slots = slots_of(position);
     uint count = cell.y & CELL_COUNT, place = count, roomy = cell.y & CELL_ROOMY;
     bool full = cell.x != STRATA_NO_KEY;
     if (full) {
         uvec2 farthest;
         place = farthest_place(position, slots, record, farthest);
-        if (strata_before(farthest, record)) {
-            strata_lose(strata_pixel(position), payload);
+        drops = true;
+        if (strata_before(farthest, record))
             return cell;
-        }
-#ifdef STRATA_BOUND
-        strata_lose(strata_pixel(position), strata_payload_load(slots.x + place));
-#endif
     } else {
         ++count;
     }
-    store_record(position, slots, place, record, payload);
+    StrataPayload kept = payload;
+#ifdef STRATA_BOUND
+    if (full)
+        payload = strata_payload_load(slots.x + place);
+#endif
+    store_record(position, slots, place, record, kept);
     if (roomy != 0u)
         return uvec2(STRATA_NO_KEY, count | roomy);
     uint key = settle(slots, full, count, place, record);
     return uvec2(count < slots.y ? STRATA_NO_KEY : key, count);
 }
 
-// A fragment that culled() has let pass.
-void insert(uvec2 position, uvec2 cell, uvec2 record, StrataPayload payload) {
+// A fragment that culled() has let pass. Says whether one is dropped, and sets `payload` to that one's.
+bool insert(uvec2 position, uvec2 cell, uvec2 record, inout StrataPayload payload) {
+    bool drops = false;
 #ifdef LOCK
     uint pixel = block_index(position);
     if ((cell.y & CELL_ROOMY) != 0u) { // every fragment has a slot: a place is all it takes
         uint place = atomicAdd(cells[pixel].y, 1u) & CELL_COUNT;
         store_record(position, slots_of(position), place, record, payload);
-        return;
+        return false;
     }
     bool waiting = true;
     for (uint i = 0u; i < params.tries && waiting; ++i) {
@@ -89,7 +93,7 @@ void insert(uvec2 position, uvec2 cell, uvec2 record, StrataPayload payload) {
         if ((cell.y & CELL_LOCKED) == 0u) {
             EXCLUDE_FENCE;
             cell.x = cells[pixel].x;
-            cell = place_record(position, cell, record, payload);
+            cell = place_record(position, cell, record, payload, drops);
             cells[pixel].x = cell.x;
             EXCLUDE_FENCE;
             atomicExchange(cells[pixel].y, cell.y);
@@ -102,6 +106,7 @@ void insert(uvec2 position, uvec2 cell, uvec2 record, StrataPayload payload) {
 #ifdef STRATA_INTERLOCK // others were here since the cell was read
     cell = cell_at(position);
 #endif
-    put_cell(position, place_record(position, cell, record, payload));
+    put_cell(position, place_record(position, cell, record, payload, drops));
 #endif
+    return drops;
 }

@@ -90,15 +90,16 @@ void main() {
     uint slot = slots_of(position).x + place;
 #ifdef SHADE_FIRST
     StrataPayload payload = strata_emit(surface);
-    if (!nearer) {
-        strata_lose(pixel, payload);
-        return;
-    }
+    bool full = least != uvec2(0u);
+    StrataPayload left_out = payload;
 #ifdef STRATA_BOUND
-    if (least != uvec2(0u))
-        strata_lose(pixel, strata_payload_load(slot));
+    if (nearer && full)
+        left_out = strata_payload_load(slot);
 #endif
-    strata_payload_store(slot, payload);
+    if (nearer)
+        strata_payload_store(slot, payload);
+    if (!nearer || full)
+        strata_lose(pixel, left_out);
 #else
     if (nearer) {
         StrataSurface surface;

@@ -41,8 +41,6 @@ void main() {
     bool behind = culled(cell, record);
 #ifdef SHADE_FIRST
     StrataPayload payload = strata_emit(surface);
-    if (behind)
-        strata_lose(strata_pixel(position), payload);
 #else
     StrataPayload payload;
     if (!behind) {
@@ -51,8 +49,11 @@ void main() {
         payload = strata_emit(surface);
     }
 #endif
+    bool drops = behind;
     STRATA_INTERLOCK_BEGIN
     if (!behind)
-        insert(position, cell, record, payload);
+        drops = insert(position, cell, record, payload);
     STRATA_INTERLOCK_END
+    if (drops) // in one place: software devices run what no fragment takes, too
+        strata_lose(strata_pixel(position), payload);
 }

@@ -41,25 +41,26 @@ static const char effects[] =
     "    uint i = strata_item();\n"                                                                \
     "    uvec2 position = uvec2(i % 3u, 0u);\n"                                                    \
     "    uvec2 record = uvec2((24575u - i) / 8u, i * 2654435761u);\n"
+#define PAYLOAD "    StrataPayload payload = StrataPayload(record.x + 31u * record.y);\n"
 
-static const strata_glsl inserting = {
-    FRAME "#include \"strata/effects.glsl\"\n"
-          "#include \"insert.glsl\"\n" RECORD "    uvec2 cell = cell_at(position);\n"
-          "    if (!culled(cell, record))\n"
-          "        insert(position, cell, record, StrataPayload(record.x + 31u * record.y));\n"
-          "}\n",
-    "insert"};
+static const strata_glsl inserting = {FRAME "#include \"strata/effects.glsl\"\n"
+                                            "#include \"insert.glsl\"\n" RECORD PAYLOAD
+                                            "    uvec2 cell = cell_at(position);\n"
+                                            "    if (!culled(cell, record))\n"
+                                            "        insert(position, cell, record, payload);\n"
+                                            "}\n",
+                                      "insert"};
 static const strata_glsl taking_turns = {
     FRAME "#include \"strata/effects.glsl\"\n"
           "#include \"insert.glsl\"\n"
           "layout(std430) coherent buffer Turns { uint turns[]; };\n"
-          "layout(std430) buffer Failures { uint failures; };\n" RECORD
+          "layout(std430) buffer Failures { uint failures; };\n" RECORD PAYLOAD
           "    uvec2 cell = cell_at(position);\n"
           "    bool waiting = !culled(cell, record);\n"
           "    for (uint i = 0u; i < params.tries && waiting; ++i)\n"
           "        if (atomicExchange(turns[position.x], 1u) == 0u) {\n"
           "            EXCLUDE_FENCE;\n"
-          "            insert(position, cell, record, StrataPayload(record.x + 31u * record.y));\n"
+          "            insert(position, cell, record, payload);\n"
           "            EXCLUDE_FENCE;\n"
           "            atomicExchange(turns[position.x], 0u);\n"
           "            waiting = false;\n"
