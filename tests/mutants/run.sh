@@ -34,6 +34,7 @@ cmake -S "$tree" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DSTRATA_T
 
 export STRATA_MODULE_PATH="$work/build/lib/strata" STRATA_TEST_SOURCE="$tree" \
     STRATA_TEST_BUILD="$work/build" STRATA_CACHE_DIR="$work/cache"
+export CMOCKA_TEST_ABORT=1 # the first failure kills
 
 builds() { ninja -C "$work/build" plugins/all "${1%% *}" >"$work/log" 2>&1; }
 
