@@ -27,7 +27,7 @@ import tempfile
 TOLERANCE = 0.00392
 ROUNDS, FRAMES, WARMUP = 4, 6, 2
 BEST = 4  # configurations beside the plan's: the sweep's own order rests on few frames
-BUDGET_FRAMES, SETTLED = 14, 10
+BUDGET_FRAMES, SETTLED = 18, 10
 TRIES = 5  # where the machine's own speed changes
 SHARES = (1.3, 0.9, 0.8, 0.7, 0.6, 0.5, 0.35, 0.25)
 WITHIN = 1.15

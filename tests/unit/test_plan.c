@@ -323,8 +323,8 @@ static void everything_has_its_reason(void **state) {
          "0.1 it begins with k from 4 to 5, pixel by pixel"},
         {{FOR("growk abuffer ppc over", "b"), .tolerance = 0.1},
          "growk",
-         "the cheapest way to fold about 1,000 fragments, with ppc: 2 x floor; for a tolerance of "
-         "0.1 it begins with k 13"},
+         "the cheapest way to fold about 1,000 fragments, with ppc: 2.7 x floor; for a tolerance "
+         "of 0.1 it begins with k 13"},
         {{FOR("growk abuffer ppc over", "b"), .tolerance = 0.1, .raise = 1},
          /* (1 + 1) * (1 + log2(10 / 4)) */
          "growk",
