@@ -192,7 +192,8 @@ static void follows_the_scene(void **state) {
 static void small_changes_are_none(void **state) {
     (void)state;
     budget_rule r = budget_begin(50, 1, 254, 26, 0);
-    assert_int_equal(budget_measure(&r, 52), 0);
+    for (int frame = 0; frame < 5; frame++)
+        assert_int_equal(budget_measure(&r, 52), 0);
     r = budget_begin(50, 1, 254, 25, 0);
     int changes = 0;
     for (unsigned frame = 0; frame < 200; frame++)
