@@ -85,6 +85,7 @@ int budget_measure(budget_rule *r, double ms) {
         if (stays(r))
             return 0;
         r->settled_ms = r->fits = r->misses = r->other = 0.0; /* the scene is another */
+        r->frames = 1;
     }
     if (r->ms >= LOW * r->target && r->ms <= BUDGET_NEAR * r->target) {
         r->settled_ms = r->ms;
@@ -174,7 +175,7 @@ static budget_step follow_turned(budget_watch *w) {
         return BUDGET_TURNS;
     }
     w->stuck =
-        rule->level <= rule->minimum && w->judged > 1 && budget_lasting(w) > BUDGET_MET * w->asked;
+        rule->level <= rule->minimum && is_late(w) && budget_lasting(w) > BUDGET_MET * w->asked;
     w->least_late |= w->stuck;
     if (w->stuck)
         return replan(w); /* with others there may be room for more */

@@ -5,8 +5,9 @@
  *
  * The feedback rule: what one knob is set to next. Callahan et al. (SIBGRAPI 2005 course): next =
  * previous * target time / render time, a straight line through the origin; here through -base, by
- * what the plan expects, or through the last two settings that were measured, once there are two,
- * where that is as steep as expected; and it stays between what fits and what does not.
+ * what the plan expects, or through the last two settings that were measured, once there are two;
+ * where those took alike times no more than twice, and no less than half as steep as expected. It
+ * stays between what fits and what does not.
  */
 #ifndef STRATA_HOST_BUDGET_H
 #define STRATA_HOST_BUDGET_H
@@ -24,7 +25,7 @@ typedef struct budget_rule {
     double level;            /* the knob */
     double base;             /* times are expected to be proportional to this + level; 0: unknown */
     double ms;               /* that frames at this level take */
-    uint32_t frames;         /* from which that is known */
+    uint32_t frames;         /* since it, or what is seen of the scene, is another */
     double settled_ms;       /* above 0: settled for, and how long that took */
     double other, other_ms;  /* another level that was measured; 0: none */
     double fits, misses;     /* levels below and above the one sought for; 0: unknown */

@@ -217,7 +217,7 @@ plan_candidate *plan_holder(const way *candidate) {
 static double part_cost(const plan_work *w, const way *candidate, const plan_candidate *part) {
     const plan_candidate *holder = plan_holder(candidate);
     const double cost = plan_cost(w, part, candidate->form, plan_kept(holder));
-    return cost == PLAN_NO_COST ? cost : cost * plan_recordings(w, holder);
+    return cost == PLAN_NO_COST ? cost : cost * plan_certifying(w, holder);
 }
 
 static double cost_of(const plan_work *w, const way *candidate) {
@@ -352,21 +352,21 @@ static strata_result choose_within(search *s) {
     s->within = 1;
     s->cheapest = exact ? s->best : (way){0};
     take_ways(s, may_give, consider_within);
-    /* A bound is not given up for what is expected: frames must have told. */
-    const int open = s->cheapest.keeps > 0.0 && !w->in->least_late;
-    for (uint32_t i = 0; i < w->count && !s->fitting.fold && !open; i++)
+    /* Where the least may be kept its bound is not given up for what is expected: frames tell. */
+    const int bounded = s->cheapest.keeps > 0.0 && !w->in->least_late;
+    for (uint32_t i = 0; i < w->count && !s->fitting.fold && !bounded; i++)
         consider_approximate(s, &w->candidates[i]);
     if (s->fitting.fold || s->cheapest.fold)
         s->best = s->fitting.fold ? s->fitting : s->cheapest;
     if (s->fitting.fold || !s->cheapest.fold)
         return STRATA_OK;
-    return plan_warn(
-        w,
-        plan_promised_order(s->best.fold) == STRATA_ORDER_APPROXIMATE
-            ? "%s has no bound of its error; nothing else is expected to come as "
-              "close to the budget of %.3g ms"
-            : "%s is the fastest way; it is not expected to meet the budget of %.3g ms",
-        plan_holder(&s->best)->note->id, w->in->budget);
+    return plan_warn(w,
+                     plan_promised_order(s->best.fold) == STRATA_ORDER_APPROXIMATE
+                         ? "%s has no bound of its error; nothing else is expected to come as "
+                           "close to the budget of %.3g ms"
+                         : "%s is the fastest way with a bound; it is not expected to meet the "
+                           "budget of %.3g ms",
+                     plan_holder(&s->best)->note->id, w->in->budget);
 }
 
 static strata_result fail_none(const search *s) {

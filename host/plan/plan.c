@@ -245,12 +245,32 @@ void plan_turn(plan *p, double value) {
     p->cost = cost;
 }
 
-void plan_expect(plan *p, const plan *later) {
-    p->cost = later->cost;
-    p->ms = later->ms;
+void plan_expect(plan *p, plan *later) {
+    plan before = *p;
+    for (uint32_t i = 0; i < p->technique_count; i++) {
+        plan_technique *t = &p->techniques[i];
+        const plan_technique *l = &later->techniques[i];
+        t->cost = l->cost;
+        t->points = l->points;
+        memcpy(t->reason, l->reason, sizeof t->reason);
+    }
+    p->left_out = later->left_out;
+    p->left_out_count = later->left_out_count;
+    p->warnings = later->warnings;
+    p->warning_count = later->warning_count;
+    p->turned = later->turned;
+    p->turned_knob = later->turned_knob;
     p->turned_least = later->turned_least;
     p->turned_most = later->turned_most;
     p->turned_each = later->turned_each;
+    p->cost = later->cost;
+    p->ms = later->ms;
+    memcpy(p->measured_on, later->measured_on, sizeof p->measured_on);
+    p->stats = later->stats;
+    later->left_out = before.left_out;
+    later->left_out_count = before.left_out_count;
+    later->warnings = before.warnings;
+    later->warning_count = before.warning_count;
 }
 
 double plan_floors(const plan *p, double cost) {

@@ -165,8 +165,9 @@ const plan_technique *plan_find(const plan *p, const char *id);
 /* The knob that is turned, and turning it: `nearest` and what is expected follow. */
 double plan_turned(const plan *p); /* 0 when there is none */
 void plan_turn(plan *p, double value);
-/* Takes what a later plan for the same frame expects; they differ in nothing that runs. */
-void plan_expect(plan *p, const plan *later);
+/* Takes what a later plan for the same frame knows and expects, which gets what is replaced; they
+ * run the same techniques with the same settings. */
+void plan_expect(plan *p, plan *later);
 
 /* Cost as a multiple of the floor, blending each transparent fragment once; PLAN_NO_COST when
  * unknown or when there are no fragments. */

@@ -92,9 +92,10 @@ int plan_knob(const modules_technique_note *note, const char *name); /* index or
 double plan_tolerance(const plan_input *in); /* 0: exact techniques alone */
 strata_result plan_trade(plan_work *w); /* knobs that trade accuracy, where the user set none */
 strata_result plan_explain_trades(plan_work *w);
-/* How often a frame is recorded until each pixel has as many fragments as its certificate takes: in
- * a view that moves, every frame. Once, but dearer, where all have the same number. */
-double plan_recordings(const plan_work *w, const plan_candidate *holder);
+/* How many times as long a frame takes for its certificate: where pixels grow it is recorded until
+ * each has as many fragments as that takes, in a view that moves every frame; and what may drop
+ * some keeps an account of them. */
+double plan_certifying(const plan_work *w, const plan_candidate *holder);
 /* Whether it says how wrong its image may be; what captures leaves that to what folds. */
 int plan_certifies(const plan_candidate *c);
 

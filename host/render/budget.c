@@ -54,11 +54,13 @@ static strata_result note(render_budget *b, render_budget_frame frame, base_erro
  * sequence alone, in the pace that the device had then. */
 static strata_result learn(strata *s, const render_figures *figures, base_error *err) {
     render_budget *b = &s->budget;
-    const double pace = b->ns > 0 && s->costs.ns > 0 ? b->ns / s->costs.ns : 1;
     if (!b->costs.techniques && !costs_copy(&s->costs, &b->costs))
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "budget: out of memory");
-    if (figures->gpu_ms > 0)
-        b->beside = fmax(figures->ms - figures->gpu_ms, 0);
+    const double pace = b->ns > 0 && b->costs.ns > 0 ? b->ns / b->costs.ns : 1;
+    if (figures->gpu_ms > 0 && figures->retries == 0) {
+        const double beside = fmax(figures->ms - figures->gpu_ms, 0);
+        b->beside = b->watch.judged > 1 ? fmin(b->beside, beside) : beside;
+    }
     if (!render_knows_frame(s))
         render_learn_frame(s, &b->costs, pace);
     return STRATA_OK;
@@ -70,13 +72,13 @@ static strata_result learn(strata *s, const render_figures *figures, base_error 
 static strata_result plan_again(strata *s, base_error *err) {
     render_budget *b = &s->budget;
     const plan *p = s->session->plan;
-    const double ms = budget_lasting(&b->watch) - b->beside;
+    const double ms = budget_lasting(&b->watch) - b->beside, unit = b->costs.ns;
     b->replan = 1;
     strata_result r = render_costs_fit(s, &b->costs, err);
     if (!(b->costs.ns > 0) || render_knows_frame(s))
-        b->ns = p->cost > 0 && ms > 0 ? ms * 1e6 / p->cost : 0;
-    else if (!(s->costs.ns > 0))
-        b->ns = 0;
+        b->ns = p->cost > 0 && ms > 0 ? ms * 1e6 / p->cost : b->ns;
+    else
+        b->ns = unit > 0 ? b->ns * b->costs.ns / unit : 0; /* the fit may have changed the unit */
     return r;
 }
 

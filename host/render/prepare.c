@@ -298,7 +298,8 @@ strata_result render_session_turn(render_session *session, double value, base_er
 /* Whether the session runs what the plan of this key does, or may with its knob turned: so it is.
  */
 static int turn_alike(render_session *session, plan *p, const char *key) {
-    const double mine = plan_turned(session->plan), theirs = plan_turned(p);
+    const double mine = plan_turned(session->plan), theirs = plan_turned(p), cost = p->cost,
+                 ms = p->ms;
     if (strcmp(session->plan_text, key) == 0)
         return 1;
     if (!p->turned || p->turned != session->plan->turned)
@@ -308,6 +309,8 @@ static int turn_alike(render_session *session, plan *p, const char *key) {
     const int alike = turned && strcmp(session->plan_text, turned) == 0;
     free(turned);
     plan_turn(p, theirs);
+    p->cost = cost;
+    p->ms = ms;
     if (alike)
         turn(session, theirs);
     return alike;

@@ -50,7 +50,8 @@ void store_record(uvec2 position, uvec2 slots, uint place, uvec2 record, StrataP
 }
 
 // With the pixel excluded: its next state. Slots beyond the count were never written and are never read.
-// Where a record is dropped, this one or the one whose place it takes, `payload` becomes that one's.
+// Where a record is dropped, this one or the one whose place it takes, `payload` becomes that one's, for
+// a certificate.
 uvec2 place_record(uvec2 position, uvec2 cell, uvec2 record, inout StrataPayload payload,
                    inout bool drops) {
     uvec2 slots = slots_of(position);
@@ -77,7 +78,7 @@ uvec2 place_record(uvec2 position, uvec2 cell, uvec2 record, inout StrataPayload
     return uvec2(count < slots.y ? STRATA_NO_KEY : key, count);
 }
 
-// A fragment that culled() has let pass. Says whether one is dropped, and sets `payload` to that one's.
+// A fragment that culled() has let pass. Says whether one is dropped; `payload` as place_record() has it.
 bool insert(uvec2 position, uvec2 cell, uvec2 record, inout StrataPayload payload) {
     bool drops = false;
 #ifdef LOCK

@@ -90,15 +90,15 @@ static const path preferred[] = {PATH_UNLOCKED, PATH_INTERLOCK, PATH_ORDERED, PA
                                  PATH_ATOMIC32};
 
 /* The path of these settings, and the one that stands in for the lock. */
-static strata_result choose(kplus *s, const strata_view *view, int grows) {
+static strata_result choose(kplus *s, const strata_view *view) {
     const double *values = view->settings->values;
     s->ordered = has(s, "selftest.ordered_rmw");
     s->params.k = (uint32_t)values[KNOB_K];
     s->params.tries = (uint32_t)values[KNOB_TRIES];
     s->exact = kplus_is_exact(values);
     s->path = (path)values[KNOB_EXCLUSION];
-    if (s->path == PATH_ORDERED && grows && s->params.k > ORDERED_MOST)
-        s->params.k = ORDERED_MOST; /* the most that a pixel may grow to */
+    if (s->path == PATH_ORDERED && view->tolerance > 0 && s->params.k > ORDERED_MOST)
+        s->params.k = ORDERED_MOST; /* the certificate tells whether that is enough */
     s->other = refusal(s, PATH_ATOMIC64) ? PATH_ATOMIC32 : PATH_ATOMIC64;
     for (size_t i = 0; s->path == PATH_AUTO; ++i)
         if (!refusal(s, preferred[i]))
@@ -276,7 +276,7 @@ static strata_result prepare(void *state, const strata_view *view) {
     s->limit = view->image(view->self, "limit/1");
     s->lock_failed = s->tied = 0;
     const uint32_t begin = (uint32_t)view->settings->values[KNOB_BEGIN];
-    strata_result r = choose(s, view, begin > 0 && view->tolerance > 0);
+    strata_result r = choose(s, view);
     if (r == STRATA_OK)
         r = growth_prepare(&s->growth, s->gpu, view, begin, s->params.k, includes);
     s->counting.nearest = s->growth.nearest;

@@ -54,6 +54,6 @@ void main() {
     if (!behind)
         drops = insert(position, cell, record, payload);
     STRATA_INTERLOCK_END
-    if (drops) // in one place: software devices run what no fragment takes, too
+    if (drops) // in one place: software devices run both sides of a branch
         strata_lose(strata_pixel(position), payload);
 }

@@ -10,9 +10,10 @@ it measures, interleaved, each in a process of its own with the camera turned by
 * --budget, for several shares of the fastest exact time, which is measured anew before each: whether it is
   met within 15 % after at most ten frames, and what is certified beside the best that the sweep knows for so
   much time. Those of its configurations that nothing else beats in both time and certificate are measured
-  again for that, right after; none in time: so is the budget, for the device. Where the fastest exact one
-  takes a seventh more or less afterwards than before, the machine had other things to do, and all of it is
-  done again; how often is said.
+  again for that, right after; null where none of them is in time, itself without those 15 %: the budget may
+  be more than the device can meet. Where the fastest exact one takes a seventh more or less afterwards than
+  before, the machine had other things to do, and all of it is done again, up to five times: how much that
+  differed in those that do not count is listed, and `drift` is that of the one that counts, the last.
 
 Prints JSON; the ratios are what counts.
 """
@@ -118,12 +119,10 @@ def sequence(strata, own, reference, share, points):
 
 
 def budget(strata, own, reference, share, points):
-    disturbed = []
-    for _ in range(TRIES):
+    drifts = []
+    while not drifts or not (1 / WITHIN <= drifts[-1] <= WITHIN or len(drifts) == TRIES):
         one = sequence(strata, own, reference, share, points)
-        if 1 / WITHIN <= one["drift"] <= WITHIN:
-            break
-        disturbed.append(one["drift"])
+        drifts.append(one["drift"])
     asked, account = one["asked"], one["account"]
     within = [c for c in points if one["ms"][c["name"]] <= asked]
     best = min(within, key=lambda c: c["bound"]["max"], default=None)
@@ -134,7 +133,7 @@ def budget(strata, own, reference, share, points):
     return {"share": share, "asked_ms": asked, "frames_ms": frames, "settled_ms": settled,
             "of_budget": settled / asked, "met": settled <= WITHIN * asked,
             "values": [f["value"] for f in account["budget"]["frames"]], "chosen": chosen(account),
-            "certified": bound, "drift": one["drift"], "disturbed": disturbed, "points_ms": one["ms"],
+            "certified": bound, "drift": drifts[-1], "disturbed": drifts[:-1], "points_ms": one["ms"],
             "sweep_knows": best and {"name": best["name"], "ms": one["ms"][best["name"]],
                                      "certified": best["bound"]["max"]},
             "of_best": bound / best["bound"]["max"] if bound and best else None}

@@ -42,11 +42,14 @@ passes() { timeout 300 sh -c "\"\$0\"/$1" "$work/build/tests" >"$work/log" 2>&1 
 
 # Once for each test: one that fails anyway would kill everything.
 passes_unbroken() {
-    grep -qxF -e "$1" "$work/sound" && return
-    builds "$1" && passes "$1" && echo "$1" >>"$work/sound"
+    if ! grep -qxF -e "$1" "$work/sound" "$work/unsound"; then
+        builds "$1" && passes "$1" && echo "$1" >>"$work/sound" || echo "$1" >>"$work/unsound"
+    fi
+    grep -qxF -e "$1" "$work/sound"
 }
 
 : >"$work/sound"
+: >"$work/unsound"
 killed=0 survived=0
 for list in "$source"/tests/mutants/*.txt; do
     while IFS='|' read -r file change test what; do

@@ -570,6 +570,36 @@ static void devices_with_less_keep_the_same(void **state) {
         }
 }
 
+/* Where the user leaves k and begin open every path takes what the plan sets them to; ordered holds
+ * 16, and what is planned for soup is more. */
+static void a_tolerance_is_enough_to_ask_for(void **state) {
+    (void)state;
+    for (size_t b = 0; b < 2; ++b) {
+        strata *instance = picture_instance(backends[b]);
+        if (!instance)
+            continue;
+        strata_scene *sc = picture_scene(instance, grown_cases[0].path);
+        for (size_t v = 0; v < BASE_COUNT(variants); ++v) {
+            const variant *taken = &variants[v];
+            strata_render_options options = {.struct_size = sizeof options,
+                                             .width = 48,
+                                             .height = 48,
+                                             .use = "kplus,ppc",
+                                             .settings = taken->settings,
+                                             .tolerance = 0.02};
+            while (options.setting_count < 4 && taken->settings[options.setting_count])
+                ++options.setting_count;
+            if (!runs(instance, taken, 1))
+                continue;
+            const strata_result r = strata_render(instance, sc, &options);
+            if (r != STRATA_OK && !(r == STRATA_PARTIAL && taken->k_most > 0))
+                fail_msg("%s, %s: %s", backends[b], taken->settings[0], strata_error(instance));
+            assert_true(r != STRATA_OK || instance->result.bound.max <= 0.02);
+        }
+        strata_scene_close(sc);
+    }
+}
+
 int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_nearest_are_kept),
@@ -578,6 +608,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(the_pool_is_full_or_short_by_one),
         cmocka_unit_test(pixels_keep_what_they_need),
         cmocka_unit_test(one_pixel_grows),
+        cmocka_unit_test(a_tolerance_is_enough_to_ask_for),
         cmocka_unit_test(what_a_device_lacks_is_refused),
         cmocka_unit_test(devices_with_less_keep_the_same),
     };
