@@ -34,13 +34,18 @@ static const char effects[] =
     "uint strata_pixel(uvec2 position) { return position.x; }\n"                                   \
     "uint strata_pixel_count() { return 3u; }\n"
 
-/* Each fragment is as near as the last ones or nearer, so that nearly all come in. */
+/* Each fragment is as near as the last ones or nearer, so that nearly all come in; or as far or
+ * farther, so that those which come in while the pixel is filled must stay. */
 #define RECORD                                                                                     \
     "#include \"strata/scan.glsl\"\n"                                                              \
     "void main() {\n"                                                                              \
     "    uint i = strata_item();\n"                                                                \
     "    uvec2 position = uvec2(i % 3u, 0u);\n"                                                    \
-    "    uvec2 record = uvec2((24575u - i) / 8u, i * 2654435761u);\n"
+    "#ifdef NEAREST_FIRST\n"                                                                       \
+    "    uvec2 record = uvec2(i / 8u, i * 2654435761u);\n"                                         \
+    "#else\n"                                                                                      \
+    "    uvec2 record = uvec2((24575u - i) / 8u, i * 2654435761u);\n"                              \
+    "#endif\n"
 #define PAYLOAD "    StrataPayload payload = StrataPayload(record.x + 31u * record.y);\n"
 
 static const strata_glsl inserting = {FRAME "#include \"strata/effects.glsl\"\n"
@@ -92,10 +97,10 @@ static int in_order(const void *a, const void *b) {
 }
 
 /* The nearest K of one pixel, in order. */
-static void expect(uint32_t pixel, record out[FRAGMENTS]) {
+static void expect(uint32_t pixel, int nearest_first, record out[FRAGMENTS]) {
     uint32_t count = 0;
     for (uint32_t i = pixel; i < FRAGMENTS; i += PIXELS) {
-        out[count++] = (record){(FRAGMENTS - 1u - i) / 8u, i * 2654435761u};
+        out[count++] = (record){(nearest_first ? i : FRAGMENTS - 1u - i) / 8u, i * 2654435761u};
     }
     qsort(out, count, sizeof *out, in_order);
 }
@@ -159,7 +164,7 @@ static void dispatch(rig *r, strata_program program, const strata_bind *binds, u
 
 /* Whether every record is there, with its own payload; 0 when a lock was given up, which a busy
  * machine may bring about and which is counted. */
-static int insert_once(rig *r, strata_program program, int interlock, int heap) {
+static int insert_once(rig *r, strata_program program, int interlock, int heap, int nearest_first) {
     static record found[PIXELS * K], nearest[FRAGMENTS];
     static uint32_t tags[PIXELS * K];
     uint32_t cells[PIXELS][2], failures = 0;
@@ -191,7 +196,7 @@ static int insert_once(rig *r, strata_program program, int interlock, int heap) 
         return 0;
     for (uint32_t pixel = 0; pixel < PIXELS; ++pixel) {
         record *kept = found + pixel * K;
-        expect(pixel, nearest);
+        expect(pixel, nearest_first, nearest);
         for (uint32_t i = 0; i < K; ++i)
             if (tags[pixel * K + i] != kept[i].key + 31u * kept[i].order)
                 fail_msg("%s: pixel %u, slot %u holds another's payload", r->backend, pixel, i);
@@ -204,19 +209,21 @@ static int insert_once(rig *r, strata_program program, int interlock, int heap) 
     return 1;
 }
 
-static void check_insertion(rig *r, int interlock, int heap) {
-    const char *defines[3] = {interlock ? "STRATA_INTERLOCK" : "LOCK"};
+static void check_insertion(rig *r, int interlock, int heap, int nearest_first) {
+    const char *defines[4] = {interlock ? "STRATA_INTERLOCK" : "LOCK"};
     uint32_t count = 1;
     int held = 0, tried = 0;
     if (heap)
         defines[count++] = "HEAP";
+    if (nearest_first)
+        defines[count++] = "NEAREST_FIRST";
     if (!gpu_fact(r->g, "selftest.ordered_rmw")) /* as kplus does, and for its reason */
         defines[count++] = "FENCES";
     rig_clear(r);
     const strata_program program =
         program_of(r, interlock ? &taking_turns : &inserting, defines, count);
     while (tried < ATTEMPTS || (held == 0 && tried < MOST_ATTEMPTS)) {
-        held += insert_once(r, program, interlock, heap);
+        held += insert_once(r, program, interlock, heap, nearest_first);
         ++tried;
     }
     print_message("%s: %d of %d attempts without a lock given up\n", r->backend, held, tried);
@@ -227,16 +234,20 @@ static void the_lock_excludes(void **state) {
     rig *r = *state;
     if (!r)
         skip();
-    check_insertion(r, 0, 0);
-    check_insertion(r, 0, 1);
+    check_insertion(r, 0, 0, 0);
+    check_insertion(r, 0, 0, 1);
+    check_insertion(r, 0, 1, 0);
+    check_insertion(r, 0, 1, 1);
 }
 
 static void sections_go_by_what_they_find(void **state) {
     rig *r = *state;
     if (!r)
         skip();
-    check_insertion(r, 1, 0);
-    check_insertion(r, 1, 1);
+    check_insertion(r, 1, 0, 0);
+    check_insertion(r, 1, 0, 1);
+    check_insertion(r, 1, 1, 0);
+    check_insertion(r, 1, 1, 1);
 }
 
 /* ---- atomics --------------------------------------------------------------------------------- */
@@ -258,7 +269,7 @@ static void check_chain(rig *r, int wide) {
         rig_submit(r);
         rig_read(r, keys, found, sizeof found);
         for (uint32_t pixel = 0; pixel < PIXELS; ++pixel) {
-            expect(pixel, nearest);
+            expect(pixel, 0, nearest);
             for (uint32_t i = 0; i < K; ++i) {
                 record at = found[pixel * K + i];
                 if (wide) /* the key is the high word */
