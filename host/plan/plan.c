@@ -246,31 +246,19 @@ void plan_turn(plan *p, double value) {
 }
 
 void plan_expect(plan *p, plan *later) {
-    plan before = *p;
-    for (uint32_t i = 0; i < p->technique_count; i++) {
-        plan_technique *t = &p->techniques[i];
-        const plan_technique *l = &later->techniques[i];
-        t->cost = l->cost;
-        t->points = l->points;
-        memcpy(t->reason, l->reason, sizeof t->reason);
+    const plan before = *p, after = *later;
+    for (uint32_t i = 0; i < before.technique_count; i++) {
+        plan_technique *t = &before.techniques[i];
+        t->cost = after.techniques[i].cost;
+        t->points = after.techniques[i].points;
+        memcpy(t->reason, after.techniques[i].reason, sizeof t->reason);
     }
-    p->left_out = later->left_out;
-    p->left_out_count = later->left_out_count;
-    p->warnings = later->warnings;
-    p->warning_count = later->warning_count;
-    p->turned = later->turned;
-    p->turned_knob = later->turned_knob;
-    p->turned_least = later->turned_least;
-    p->turned_most = later->turned_most;
-    p->turned_each = later->turned_each;
-    p->cost = later->cost;
-    p->ms = later->ms;
-    memcpy(p->measured_on, later->measured_on, sizeof p->measured_on);
-    p->stats = later->stats;
-    later->left_out = before.left_out;
-    later->left_out_count = before.left_out_count;
-    later->warnings = before.warnings;
-    later->warning_count = before.warning_count;
+    *p = after;
+    p->techniques = before.techniques;
+    p->effects = before.effects;
+    *later = before;
+    later->techniques = after.techniques;
+    later->effects = after.effects;
 }
 
 double plan_floors(const plan *p, double cost) {

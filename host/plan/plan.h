@@ -165,8 +165,8 @@ const plan_technique *plan_find(const plan *p, const char *id);
 /* The knob that is turned, and turning it: `nearest` and what is expected follow. */
 double plan_turned(const plan *p); /* 0 when there is none */
 void plan_turn(plan *p, double value);
-/* Takes what a later plan for the same frame knows and expects, which gets what is replaced; they
- * run the same techniques with the same settings. */
+/* Takes all of a later plan that runs the same techniques with the same settings, but for those and
+ * the effects, which others hold pointers to; the later one gets what is replaced. */
 void plan_expect(plan *p, plan *later);
 
 /* Cost as a multiple of the floor, blending each transparent fragment once; PLAN_NO_COST when

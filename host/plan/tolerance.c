@@ -17,7 +17,7 @@
 #define DEEPER       1.25 /* of the estimated depth */
 
 /* Times what a frame takes without a certificate, where fragments may be dropped that go into one:
- * measured on a software device, kplus with 32 (1.4) and 64 (1.25) a pixel. */
+ * measured on a software device, with 32 (1.4) and 64 (1.25) kept of a pixel. */
 #define ACCOUNTED 1.35
 
 double plan_tolerance(const plan_input *in) {
@@ -36,14 +36,6 @@ static double payload_for(const plan_input *in, const strata_knob *knob) {
     return fmin(first > in->raise ? first - in->raise : 0, knob->maximum);
 }
 
-/* Doubled with each raise, unless pixels `grow` by themselves; where exact techniques are asked
- * for, all. */
-static double nearest_for(const plan_input *in, const strata_knob *knob, int grow) {
-    if (in->raise >= PLAN_RAISE_EXACT)
-        return knob->minimum > 0 ? knob->maximum : 0;
-    return grow ? knob->maximum : fmin(knob->preset * (double)(1u << in->raise), knob->maximum);
-}
-
 /* How many fragments are likely to leave no more than half of the tolerance of what is behind them,
  * in pixels whose fragments hide less than the mean; no more than a little above the depth. */
 static double enough(const plan_input *in) {
@@ -54,24 +46,32 @@ static double enough(const plan_input *in) {
 }
 
 /* A technique with the knobs `k` and `begin` finds the k of each pixel: from few to as many as the
- * certificate takes. That records a moving view again and again: as many for all as are likely to
- * be enough are tried before, where that takes not too much memory. */
-static void trade_nearest(const plan_input *in, plan_candidate *c) {
+ * certificate takes. That records a moving view again and again: it is left to that once the same k
+ * for all was not enough, or would take much memory. */
+static void trade_growing(const plan_input *in, plan_candidate *c, int nearest, int begin) {
+    const strata_knob *k = c->note->knobs[nearest];
+    const uint32_t set = c->set_knobs >> nearest & 1u, begins = c->set_knobs >> begin & 1u;
+    const int grow = set || begins || in->raise > 0 || enough(in) > fmin(MOST_FOR_ALL, k->maximum);
+    if (!set)
+        c->values[nearest] = grow ? k->maximum : enough(in);
+    if (!begins)
+        c->values[begin] = grow ? fmin(FIRST, c->values[nearest]) : 0;
+}
+
+/* What k means to others is theirs: it begins with the preset and is doubled with each raise. */
+static void trade_count(const plan_input *in, plan_candidate *c) {
     const int nearest = plan_knob(c->note, "k"), begin = plan_knob(c->note, "begin");
     const strata_knob *k = nearest >= 0 ? c->note->knobs[nearest] : NULL;
     if (!k || !k->trades_accuracy || k->type != STRATA_KNOB_INT)
         return;
-    const int grow = begin >= 0 && c->note->knobs[begin]->type == STRATA_KNOB_INT;
-    const int is_set = (c->set_knobs >> nearest & 1u) || (grow && (c->set_knobs >> begin & 1u));
-    if (grow && !is_set && in->raise == 0 && enough(in) <= fmin(MOST_FOR_ALL, k->maximum)) {
-        c->values[nearest] = enough(in);
-        c->values[begin] = 0;
-        return;
-    }
-    if (!(c->set_knobs >> nearest & 1u))
-        c->values[nearest] = nearest_for(in, k, grow);
-    if (grow && !(c->set_knobs >> begin & 1u))
-        c->values[begin] = in->raise >= PLAN_RAISE_EXACT ? 0 : fmin(FIRST, c->values[nearest]);
+    const int grows = begin >= 0 && c->note->knobs[begin]->type == STRATA_KNOB_INT,
+              all = in->raise >= PLAN_RAISE_EXACT; /* exact techniques are asked for */
+    if (grows && !all)
+        trade_growing(in, c, nearest, begin);
+    else if (!(c->set_knobs >> nearest & 1u))
+        c->values[nearest] = !all ? fmin(k->preset * (double)(1u << in->raise), k->maximum)
+                             : k->minimum > 0 ? k->maximum
+                                              : 0;
 }
 
 strata_result plan_trade(plan_work *w) {
@@ -80,7 +80,7 @@ strata_result plan_trade(plan_work *w) {
         const int payload = costs_payload_knob(c->note);
         if (plan_free_payload(c))
             c->values[payload] = payload_for(w->in, c->note->knobs[payload]);
-        trade_nearest(w->in, c);
+        trade_count(w->in, c);
     }
     return STRATA_OK;
 }
@@ -92,13 +92,13 @@ int plan_certifies(const plan_candidate *c) {
 /* From what pixels begin with they at most double, until those that need most have it. */
 double plan_certifying(const plan_work *w, const plan_candidate *holder) {
     const int nearest = plan_knob(holder->note, "k"), begin = plan_knob(holder->note, "begin");
-    if (nearest < 0 || begin < 0)
+    if (nearest < 0 || begin < 0 || !(w->in->tolerance > 0.0))
         return 1.0;
-    if (!(holder->values[begin] > 0.0))
-        return w->in->tolerance > 0.0 && holder->values[nearest] > 0.0 ? ACCOUNTED : 1.0;
     const double depth = w->in->stats->largest_depth, k = holder->values[nearest],
-                 most = k > 0.0 ? fmin(k, depth) : depth;
-    return 1.0 + log2(fmax(1.0, most / holder->values[begin]));
+                 first = holder->values[begin];
+    if (first > 0.0)
+        return 1.0 + log2(fmax(1.0, (k > 0.0 ? fmin(k, depth) : depth) / first));
+    return k > 0.0 ? ACCOUNTED : 1.0;
 }
 
 /* Appends to the reasons of what folds: which certificate is asked for, and with what. */

@@ -54,15 +54,15 @@ static strata_result note(render_budget *b, render_budget_frame frame, base_erro
  * sequence alone, in the pace that the device had then. */
 static strata_result learn(strata *s, const render_figures *figures, base_error *err) {
     render_budget *b = &s->budget;
-    if (!b->costs.techniques && !costs_copy(&s->costs, &b->costs))
-        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "budget: out of memory");
-    const double pace = b->ns > 0 && b->costs.ns > 0 ? b->ns / b->costs.ns : 1;
     if (figures->gpu_ms > 0 && figures->retries == 0) {
         const double beside = fmax(figures->ms - figures->gpu_ms, 0);
         b->beside = b->watch.judged > 1 ? fmin(b->beside, beside) : beside;
     }
-    if (!render_knows_frame(s))
-        render_learn_frame(s, &b->costs, pace);
+    if (render_knows_frame(s))
+        return STRATA_OK;
+    if (!b->costs.techniques && !costs_copy(&s->costs, &b->costs))
+        return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "budget: out of memory");
+    render_learn_frame(s, &b->costs, b->ns > 0 && b->costs.ns > 0 ? b->ns / b->costs.ns : 1);
     return STRATA_OK;
 }
 
@@ -74,7 +74,7 @@ static strata_result plan_again(strata *s, base_error *err) {
     const plan *p = s->session->plan;
     const double ms = budget_lasting(&b->watch) - b->beside, unit = b->costs.ns;
     b->replan = 1;
-    strata_result r = render_costs_fit(s, &b->costs, err);
+    strata_result r = b->costs.techniques ? render_costs_fit(s, &b->costs, err) : STRATA_OK;
     if (!(b->costs.ns > 0) || render_knows_frame(s))
         b->ns = p->cost > 0 && ms > 0 ? ms * 1e6 / p->cost : b->ns;
     else

@@ -146,13 +146,15 @@ strata_result render_plan(strata *s, scene *sc, const strata_render_options *opt
 
 /* ---- whether the session still fits ---------------------------------------------------------- */
 
-/* What of a plan the techniques were prepared for; costs and reasons do not matter. */
-static char *plan_key(const plan *p) {
+/* What of a plan the techniques were prepared for; costs and reasons do not matter. Without what a
+ * budget turns: what its plans have in common. */
+static char *plan_key(const plan *p, int with_turned) {
     base_text text = {0};
     for (uint32_t i = 0; i < p->technique_count; ++i) {
         base_text_add(&text, "%s", p->techniques[i].technique->id);
         for (uint32_t k = 0; k < p->techniques[i].settings.count; ++k)
-            base_text_add(&text, " %a", p->techniques[i].settings.values[k]);
+            if (with_turned || p->techniques[i].technique != p->turned || k != p->turned_knob)
+                base_text_add(&text, " %a", p->techniques[i].settings.values[k]);
         base_text_add(&text, "\n");
     }
     for (uint32_t i = 0; i < p->effect_count; ++i)
@@ -255,7 +257,7 @@ strata_result render_same_plan(strata *s, scene *sc, const strata_render_options
         r = render_plan(s, sc, options, &view, &p, err);
     if (r != STRATA_OK)
         return r;
-    char *key = plan_key(p);
+    char *key = plan_key(p, 1);
     if (!key)
         r = base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "plan: out of memory");
     else
@@ -287,7 +289,7 @@ static void turn(render_session *session, double value) {
 
 strata_result render_session_turn(render_session *session, double value, base_error *err) {
     turn(session, value);
-    char *key = plan_key(session->plan);
+    char *key = plan_key(session->plan, 1);
     if (!key)
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "plan: out of memory");
     free(session->plan_text);
@@ -297,28 +299,23 @@ strata_result render_session_turn(render_session *session, double value, base_er
 
 /* Whether the session runs what the plan of this key does, or may with its knob turned: so it is.
  */
-static int turn_alike(render_session *session, plan *p, const char *key) {
-    const double mine = plan_turned(session->plan), theirs = plan_turned(p), cost = p->cost,
-                 ms = p->ms;
+static int turn_alike(render_session *session, const plan *p, const char *key) {
     if (strcmp(session->plan_text, key) == 0)
         return 1;
     if (!p->turned || p->turned != session->plan->turned)
         return 0;
-    plan_turn(p, mine);
-    char *turned = plan_key(p);
-    const int alike = turned && strcmp(session->plan_text, turned) == 0;
-    free(turned);
-    plan_turn(p, theirs);
-    p->cost = cost;
-    p->ms = ms;
+    char *mine = plan_key(session->plan, 0), *theirs = plan_key(p, 0);
+    const int alike = mine && theirs && strcmp(mine, theirs) == 0;
+    free(mine);
+    free(theirs);
     if (alike)
-        turn(session, theirs);
+        turn(session, plan_turned(p));
     return alike;
 }
 
 strata_result render_session_open(strata *s, scene *sc, const strata_render_options *options,
                                   plan *p, base_error *err) {
-    char *key = plan_key(p), *request = request_of(options);
+    char *key = plan_key(p, 1), *request = request_of(options);
     strata_result r;
     if (!key || !request) {
         free(key);

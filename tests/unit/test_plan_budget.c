@@ -229,10 +229,11 @@ static void expectations_turn_with_the_knob(void **state) {
     later->ms *= 2;
     later->turned_each /= 2;
     plan_turn(p, 10);
+    const modules_technique_note *turned = p->turned;
     p->turned = NULL;
     p->stats.largest_depth = 7;
     plan_expect(p, later);
-    assert_true(p->turned == later->turned && p->stats.largest_depth == 10);
+    assert_true(p->turned == turned && p->stats.largest_depth == 10);
     is_near(p->cost, 2000);
     is_near(p->ms, 4);
     plan_turn(p, 5);
