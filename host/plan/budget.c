@@ -18,6 +18,10 @@
 #define ALIKE   0.25 /* of a time: another differs by noise */
 #define TWISTED 2.0  /* factor between the steepness of times and what is expected */
 #define OTHER   1.5  /* factor between the times of two scenes */
+#define SURE    3u   /* frames after which more is tried; each try in vain doubles that, */
+#define DOUBLED 6u   /* so often */
+#define MORE    2.0  /* factor of a level, at most, that is tried */
+#define WORTH   1.25 /* and at least */
 
 budget_rule budget_begin(double target, double minimum, double maximum, double level, double base) {
     return (budget_rule){.target = target,
@@ -27,18 +31,23 @@ budget_rule budget_begin(double target, double minimum, double maximum, double l
                          .level = fmin(fmax(floor(level), minimum), maximum)};
 }
 
-/* By the line through what was measured. Two times that differ by little may be noise: where a
- * steepness is expected it is that within TWISTED then; else, where none rises, as far as may be.
- */
-static double propose(const budget_rule *r) {
-    const double aim = AIM * r->target, expected = r->ms / (r->base + r->level);
+/* Of the line through what was measured, ms a level. Two times that differ by little may be noise:
+ * where a steepness is expected it is that within TWISTED then. */
+static double steepness(const budget_rule *r) {
+    const double expected = r->ms / (r->base + r->level);
     double slope = expected;
     if (r->other > 0.0)
         slope = (r->ms - r->other_ms) / (r->level - r->other);
     if (r->base > 0.0 && fabs(r->ms - r->other_ms) < ALIKE * r->ms)
         slope = fmin(fmax(slope, expected / TWISTED), expected * TWISTED);
+    return slope;
+}
+
+/* By that line; where none rises, as far as may be. */
+static double propose(const budget_rule *r) {
+    const double slope = steepness(r);
     if (slope > 0.0)
-        return r->level + (aim - r->ms) / slope;
+        return r->level + (AIM * r->target - r->ms) / slope;
     return r->ms > r->target ? r->level / LARGEST : r->level * LARGEST;
 }
 
@@ -48,11 +57,60 @@ static void bracket(budget_rule *r) {
         r->misses = r->level;
         if (r->fits >= r->level)
             r->fits = 0.0;
+        if (r->trying || r->ms > OTHER * r->target)
+            r->barred = r->level;
     } else {
         r->fits = r->level;
         if (r->misses <= r->level)
             r->misses = 0.0;
+        if (r->barred <= r->level)
+            r->barred = 0.0;
     }
+}
+
+/* What is tried beyond a level that fits: what would be met were the line TWISTED times too steep,
+ * and less than what was far too much, or was tried in vain. The same level: nothing. */
+static double more_than(const budget_rule *r) {
+    const double slope = steepness(r) / TWISTED, most = fmin(MORE * r->level, r->maximum);
+    double next = most;
+    if (slope > 0.0)
+        next = fmin(next, floor(r->level + (BUDGET_MET * r->target - r->ms) / slope));
+    if (r->barred > 0.0 && next >= r->barred)
+        next = floor(0.5 * (r->level + r->barred));
+    return next >= WORTH * r->level || next == r->maximum ? next : r->level;
+}
+
+static int try_more(budget_rule *r) {
+    const int sure = r->frames >= SURE << r->in_vain && r->ms <= r->target;
+    const double next = sure ? more_than(r) : r->level;
+    if (next <= r->level)
+        return 0;
+    r->fits = r->other = r->level;
+    r->other_ms = r->ms;
+    r->misses = 0.0;
+    r->settled_ms = 0.0;
+    r->trying = 1;
+    r->level = next;
+    r->frames = 0;
+    return 1;
+}
+
+static void succeed(budget_rule *r) {
+    r->in_vain = r->trying ? 0 : r->in_vain;
+    r->trying = 0;
+}
+
+/* A try that takes too long ends where it began. */
+static int give_back(budget_rule *r) {
+    const double began = r->other;
+    r->settled_ms = r->other_ms;
+    r->misses = r->other = r->level;
+    r->other_ms = r->ms;
+    r->level = began;
+    r->in_vain += r->in_vain < DOUBLED;
+    r->trying = 0;
+    r->frames = 0;
+    return 1;
 }
 
 static double next_level(const budget_rule *r) {
@@ -83,19 +141,24 @@ int budget_measure(budget_rule *r, double ms) {
     r->ms = ms;
     if (r->settled_ms > 0.0) {
         if (stays(r))
-            return 0;
-        r->settled_ms = r->fits = r->misses = r->other = 0.0; /* the scene is another */
+            return try_more(r);
+        r->settled_ms = r->fits = r->misses = r->other = r->barred = 0.0; /* the scene is another */
         r->frames = 1;
     }
     if (r->ms >= LOW * r->target && r->ms <= BUDGET_NEAR * r->target) {
         r->settled_ms = r->ms;
+        succeed(r);
         return 0;
     }
-    if (r->ms > r->target && r->ms <= DOUBT * r->target && r->frames < 2)
+    const uint32_t needed = r->trying && r->ms <= BUDGET_MET * r->target ? 3 : 2;
+    if (r->ms > r->target && r->ms <= DOUBT * r->target && r->frames < needed)
         return 0;
     if (r->ms < r->target && r->ms * DOUBT >= r->target && r->frames < 3)
         return 0;
     bracket(r);
+    if (r->trying && r->ms > r->target)
+        return give_back(r);
+    succeed(r);
     const double next = next_level(r);
     if (next == r->level) { /* the least, the most, or the last that fits */
         r->settled_ms = r->ms;
@@ -165,7 +228,7 @@ static budget_step follow_fixed(budget_watch *w, uint32_t payload) {
 
 static budget_step follow_turned(budget_watch *w) {
     const budget_rule *rule = &w->rule;
-    const double before = rule->level;
+    const double before = rule->trying ? rule->other : rule->level;
     if (budget_measure(&w->rule, budget_lasting(w))) {
         /* Something else may now be expected to give up less, where much is. A frame that prepares
          * is too much for the little by which a scene drifts. */

@@ -7,7 +7,8 @@
  * previous * target time / render time, a straight line through the origin; here through -base, by
  * what the plan expects, or through the last two settings that were measured, once there are two;
  * where those took alike times no more than twice, and no less than half as steep as expected. It
- * stays between what fits and what does not.
+ * stays between what fits and what does not. A setting that is settled for was found by few frames,
+ * in a slow moment perhaps: once it is sure, up to twice as much is tried, and kept where it fits.
  */
 #ifndef STRATA_HOST_BUDGET_H
 #define STRATA_HOST_BUDGET_H
@@ -29,6 +30,9 @@ typedef struct budget_rule {
     double settled_ms;       /* above 0: settled for, and how long that took */
     double other, other_ms;  /* another level that was measured; 0: none */
     double fits, misses;     /* levels below and above the one sought for; 0: unknown */
+    double barred;           /* from this level on nothing is tried; 0: none */
+    int trying;              /* 1: level is one that is tried, from `other` */
+    uint32_t in_vain;        /* tries since one that fitted */
 } budget_rule;
 
 /* 1 <= minimum <= maximum; level is clamped to them. */

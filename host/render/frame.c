@@ -210,8 +210,7 @@ static strata_result record_techniques(render_session *session, frame_part part,
 /* The techniques of one part of the frame, before the next gpu_begin makes their pools' counters
  * void. */
 static strata_result verify_techniques(render_session *session, frame_part part, uint32_t band,
-                                       render_needs *needs, int *again, const char **failed,
-                                       base_error *err) {
+                                       int *again, const char **failed, base_error *err) {
     gpu *g = session->owner->gpu;
     for (uint32_t i = 0; i < session->technique_count; ++i) {
         render_technique *t = &session->techniques[i];
@@ -222,8 +221,8 @@ static strata_result verify_techniques(render_session *session, frame_part part,
             strata_result r = gpu_pool_needed(g, t->pools[p], &needed, err);
             if (r != STRATA_OK)
                 return r;
-            if (needed > needs[i].needed[p])
-                needs[i].needed[p] = needed;
+            if (needed > t->pool_needed[p])
+                t->pool_needed[p] = needed;
             if (needed > gpu_pool_capacity(g, t->pools[p]))
                 *again = 1;
         }
@@ -248,8 +247,8 @@ static strata_result verify_techniques(render_session *session, frame_part part,
 }
 
 static strata_result record_opaque(render_session *session, const scene_view *view,
-                                   const strata_render_options *options, render_needs *needs,
-                                   int *again, const char **failed, base_error *err) {
+                                   const strata_render_options *options, int *again,
+                                   const char **failed, base_error *err) {
     gpu *g = session->owner->gpu;
     const render_rect whole = {0, 0, session->width, session->height};
     const float far[4] = {0, 0, 0, 0};
@@ -262,14 +261,14 @@ static strata_result record_opaque(render_session *session, const scene_view *vi
     render_bound_begin(session);
     r = record_techniques(session, PART_OPAQUE, 0, failed, err);
     if (r == STRATA_OK)
-        r = verify_techniques(session, PART_OPAQUE, 0, needs, again, failed, err);
+        r = verify_techniques(session, PART_OPAQUE, 0, again, failed, err);
     return r == STRATA_OK ? render_account_passes(session->owner, err) : r;
 }
 
 /* Sub-pixels to pixels, once all bands are folded. */
 static strata_result record_filter(render_session *session, const scene_view *view,
-                                   const strata_render_options *options, render_needs *needs,
-                                   int *again, const char **failed, base_error *err) {
+                                   const strata_render_options *options, int *again,
+                                   const char **failed, base_error *err) {
     const render_rect whole = {0, 0, session->width, session->height};
     if (session->samples == 1)
         return STRATA_OK;
@@ -279,13 +278,13 @@ static strata_result record_filter(render_session *session, const scene_view *vi
     gpu_begin(session->owner->gpu, session->width, session->height);
     r = record_techniques(session, PART_FILTER, 0, failed, err);
     if (r == STRATA_OK)
-        r = verify_techniques(session, PART_FILTER, 0, needs, again, failed, err);
+        r = verify_techniques(session, PART_FILTER, 0, again, failed, err);
     return r == STRATA_OK ? render_account_passes(session->owner, err) : r;
 }
 
 static strata_result record_bands(render_session *session, const scene_view *view,
-                                  const strata_render_options *options, render_needs *needs,
-                                  int *again, const char **failed, base_error *err) {
+                                  const strata_render_options *options, int *again,
+                                  const char **failed, base_error *err) {
     gpu *g = session->owner->gpu;
     strata *s = session->owner;
     for (uint32_t band = 0; band < session->band_count; ++band) {
@@ -298,7 +297,7 @@ static strata_result record_bands(render_session *session, const scene_view *vie
         render_bound_begin_band(session);
         r = record_techniques(session, PART_BAND, band, failed, err);
         if (r == STRATA_OK)
-            r = verify_techniques(session, PART_BAND, band, needs, again, failed, err);
+            r = verify_techniques(session, PART_BAND, band, again, failed, err);
         if (r == STRATA_OK)
             r = render_account_passes(s, err);
         if (r == STRATA_OK && (options->outputs & STRATA_OUTPUT_DEEP) && !*again)
@@ -312,15 +311,17 @@ static strata_result record_bands(render_session *session, const scene_view *vie
     return STRATA_OK;
 }
 
+static void forget_needs(render_session *session) {
+    for (uint32_t i = 0; i < session->technique_count; ++i)
+        memset(session->techniques[i].pool_needed, 0, sizeof session->techniques[i].pool_needed);
+}
+
 strata_result render_frame(render_session *session, const scene_view *view,
                            const strata_render_options *options, const char **failed,
                            base_error *err) {
-    render_needs *needs = base_calloc(session->technique_count + 1, sizeof *needs);
-    strata_result r = needs ? STRATA_OK : STRATA_ERROR_OUT_OF_HOST_MEMORY;
+    strata_result r = STRATA_OK;
     int again = 1;
     *failed = NULL;
-    if (!needs)
-        return base_fail(err, r, "frame: out of memory");
     for (session->attempt = 0; again && r == STRATA_OK; session->attempt++) {
         if (session->attempt == MAX_ATTEMPTS) {
             r = base_fail(err, STRATA_ERROR_OVERFLOW, "the frame was recorded %u times in vain",
@@ -328,25 +329,26 @@ strata_result render_frame(render_session *session, const scene_view *view,
             break;
         }
         again = 0;
-        memset(needs, 0, (session->technique_count + 1) * sizeof *needs);
         session->report = (render_report){0};
         session->owner->result.pass_count = 0;
         r = render_prepare_in_room(session, &again, failed, err);
         if (again)
             continue;
+        if (r == STRATA_OK && session->attempt == 0)
+            r = render_room_ahead(session, view, err);
+        forget_needs(session);
         if (r == STRATA_OK)
-            r = record_opaque(session, view, options, needs, &again, failed, err);
+            r = record_opaque(session, view, options, &again, failed, err);
         if (r == STRATA_OK && (options->outputs & STRATA_OUTPUT_DEEP))
             r = render_deep_begin(session, err);
         if (r == STRATA_OK)
-            r = record_bands(session, view, options, needs, &again, failed, err);
+            r = record_bands(session, view, options, &again, failed, err);
         if (r == STRATA_OK && !again)
-            r = record_filter(session, view, options, needs, &again, failed, err);
+            r = record_filter(session, view, options, &again, failed, err);
         if (r == STRATA_OK && again)
-            r = render_make_room(session, needs, err);
+            r = render_make_room(session, err);
         session->owner->result.retries += again ? 1u : 0u;
     }
     session->frame_index++;
-    free(needs);
     return r;
 }

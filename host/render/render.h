@@ -72,7 +72,7 @@ typedef struct render_technique {
     gpu_scope *scope; /* where creation goes now; NULL: creation is not allowed */
     strata_pool pools[RENDER_MAX_POOLS];
     uint64_t pool_capacity[RENDER_MAX_POOLS]; /* to begin with after the next prepare, in order */
-    uint32_t pool_grown[RENDER_MAX_POOLS];    /* times */
+    uint64_t pool_needed[RENDER_MAX_POOLS];   /* most that a band of the last recording needed */
     uint32_t pool_count;
     uint32_t pools_begin_small; /* at the next prepare: the frame was split */
     uint32_t created;           /* create() was called: destroy() is due */
@@ -80,11 +80,6 @@ typedef struct render_technique {
     uint32_t verifying;
     base_error error;
 } render_technique;
-
-/* What the pools of one technique needed: the most that a band asked for. */
-typedef struct render_needs {
-    uint64_t needed[RENDER_MAX_POOLS];
-} render_needs;
 
 #define RENDER_REPORT_BEFORE 1u /* bit of render_report.known */
 typedef struct render_report {
@@ -132,6 +127,8 @@ typedef struct render_session {
     uint32_t prepared; /* 0: prepare() is due */
     uint32_t changed;  /* STRATA_CHANGED_* for it */
     uint64_t frame_index;
+    float seen[16]; /* world_to_clip of the frame before */
+    uint64_t seen_revision;
     uint32_t attempt;
     strata_program deep_program; /* made when the first deep image is asked for */
     strata_buffer deep_elements;
@@ -182,7 +179,7 @@ typedef struct render_start {
     const scene *scene; /* NULL: none began */
     scene_box bounds;
     scene_view view; /* for the key light */
-    uint32_t moving; /* 1: pools that had been large enough overflowed */
+    uint32_t moving; /* 1: the camera or the scene was another in two frames */
 } render_start;
 
 /* What the last render did, for the account and the outputs. */
@@ -320,8 +317,11 @@ const void *render_extension(const gpu *g, const char *id);
 /* render_session_prepare; *again = 1: it did not fit and the frame was split, prepare again. */
 strata_result render_prepare_in_room(render_session *session, int *again, const char **failed,
                                      base_error *err);
-/* Grows what was short, needs[technique]; or splits the frame. */
-strata_result render_make_room(render_session *session, const render_needs *needs, base_error *err);
+/* Before a frame is recorded: where the camera or the scene is another than in the one before, what
+ * may soon be short grows, which costs no recording now. */
+strata_result render_room_ahead(render_session *session, const scene_view *view, base_error *err);
+/* Grows what was short; or splits the frame. */
+strata_result render_make_room(render_session *session, base_error *err);
 
 /* ---- effects.c ------------------------------------------------------------------------------- */
 /* Hands the generated effect header and the effects' sources to the device. */

@@ -5,19 +5,25 @@
  */
 #include "render/render.h"
 
+#include <string.h>
+
 #define POOL_STEP  256u   /* elements that capacities are rounded up to */
 #define SMALL_POOL 65536u /* bytes */
 
-/* First exactly what is needed, twice that for small pools (the odd pixels of a frame), which vary
- * most and cost least. In a moving scene there is a reserve: a quarter, of small pools three times
- * what is needed. */
+/* Small pools are those of the odd pixels of a frame, which vary most and cost least. */
+static int is_small(const render_technique *t, uint32_t pool, uint64_t needed) {
+    const uint64_t bytes = t->session->owner->start.moving ? SMALL_POOL * 16 : SMALL_POOL;
+    return needed * gpu_pool_element_bytes(t->session->owner->gpu, t->pools[pool]) < bytes;
+}
+
+/* First exactly what is needed, twice that for small pools. Where it moves there is a reserve: a
+ * quarter, of small pools three times what is needed. */
 static uint64_t with_reserve(const render_technique *t, uint32_t pool, uint64_t needed) {
     const uint32_t moving = t->session->owner->start.moving;
-    const uint64_t bytes = needed * gpu_pool_element_bytes(t->session->owner->gpu, t->pools[pool]);
-    if (bytes < (moving ? SMALL_POOL * 16 : SMALL_POOL))
+    if (!is_small(t, pool, needed))
+        needed += moving ? needed / 4 : 0;
+    else
         needed *= moving ? 4 : 2;
-    else if (moving)
-        needed += needed / 4;
     return (needed + POOL_STEP - 1) / POOL_STEP * POOL_STEP;
 }
 
@@ -72,7 +78,6 @@ static strata_result grow(render_session *session, render_technique *t, uint32_t
     base_log(BASE_LOG_DEBUG, "%s: pool %u needs %llu elements, gets %llu",
              t->planned->technique->id, pool, (unsigned long long)needed,
              (unsigned long long)capacity);
-    t->pool_grown[pool]++;
     return STRATA_OK;
 }
 
@@ -80,40 +85,40 @@ static int is_short(const render_technique *t, uint32_t pool, uint64_t needed) {
     return needed > gpu_pool_capacity(t->session->owner->gpu, t->pools[pool]);
 }
 
-/* A pool that overflows again belongs to a moving scene. */
-static uint32_t overflows_again(const render_session *session, const render_needs *needs) {
-    for (uint32_t i = 0; i < session->technique_count; ++i) {
-        const render_technique *t = &session->techniques[i];
-        for (uint32_t p = 0; p < t->pool_count; ++p)
-            if (is_short(t, p, needs[i].needed[p]) && t->pool_grown[p] > 0)
-                return 1;
-    }
-    return 0;
-}
-
 /* Whether a pool that sufficed soon will not. */
 static int is_close(const render_technique *t, uint32_t pool, uint64_t needed) {
     const render_session *session = t->session;
-    return session->owner->start.moving && is_short(t, pool, needed + needed / 16) &&
+    const uint64_t more = is_small(t, pool, needed) ? needed : needed / 16;
+    return session->owner->start.moving && is_short(t, pool, needed + more) &&
            with_reserve(t, pool, needed) <= room(session, t->pools[pool]);
 }
 
-/* In a moving scene all pools get their reserve at once, where there is room for it: each would
- * cost a recording of its own. */
-strata_result render_make_room(render_session *session, const render_needs *needs,
-                               base_error *err) {
+static strata_result make_room(render_session *session, int ahead, base_error *err) {
     const uint32_t bands = session->band_count;
     strata_result r = STRATA_OK;
-    session->owner->start.moving |= overflows_again(session, needs);
     for (uint32_t i = 0; i < session->technique_count && r == STRATA_OK; ++i) {
         render_technique *t = &session->techniques[i];
         for (uint32_t p = 0; p < t->pool_count && r == STRATA_OK; ++p) {
-            const uint64_t needed = needs[i].needed[p];
-            if (session->band_count == bands && (is_short(t, p, needed) || is_close(t, p, needed)))
+            const uint64_t needed = t->pool_needed[p];
+            const int due = (!ahead && is_short(t, p, needed)) || is_close(t, p, needed);
+            if (session->band_count == bands && due)
                 r = grow(session, t, p, needed, err);
         }
     }
     return r;
+}
+
+strata_result render_make_room(render_session *session, base_error *err) {
+    return make_room(session, 0, err);
+}
+
+strata_result render_room_ahead(render_session *session, const scene_view *view, base_error *err) {
+    const int same = memcmp(session->seen, view->world_to_clip, sizeof session->seen) == 0 &&
+                     session->seen_revision == session->scene_revision;
+    memcpy(session->seen, view->world_to_clip, sizeof session->seen);
+    session->seen_revision = session->scene_revision;
+    session->owner->start.moving |= session->frame_index > 0 && !same;
+    return session->owner->start.moving ? make_room(session, 1, err) : STRATA_OK;
 }
 
 strata_result render_prepare_in_room(render_session *session, int *again, const char **failed,

@@ -8,12 +8,13 @@ it measures, interleaved, each in a process of its own with the camera turned by
 * the plan without any option, beside the sweep's fastest exact configurations;
 * --tolerance 1/255, beside the sweep's cheapest configurations whose certificate is below it;
 * --budget, for several shares of the fastest exact time, which is measured anew before each: whether it is
-  met within 15 % after at most ten frames, and what is certified beside the best that the sweep knows for so
-  much time. Those of its configurations that nothing else beats in both time and certificate are measured
-  again for that, right after; null where none of them is in time, itself without those 15 %: the budget may
-  be more than the device can meet. Where the fastest exact one takes a seventh more or less afterwards than
-  before, the machine had other things to do, and all of it is done again, up to five times: how much that
-  differed in those that do not count is listed, and `drift` is that of the one that counts, the last.
+  met within 15 % after at most ten frames, and what is certified, at the setting that most of the last frames
+  had, beside the best that the sweep knows for so much time. Those of its configurations that nothing else
+  beats in both time and certificate are measured again for that, right after; null where none of them is in
+  time, itself without those 15 %: the budget may be more than the device can meet. Where the fastest exact one
+  takes a seventh more or less afterwards than before, the machine had other things to do, and all of it is
+  done again, up to five times: how much that differed in those that do not count is listed, and `drift` is
+  that of the one that counts, the last.
 
 Prints JSON; the ratios are what counts.
 """
@@ -28,7 +29,7 @@ import tempfile
 TOLERANCE = 0.00392
 ROUNDS, FRAMES, WARMUP = 4, 6, 2
 BEST = 4  # configurations beside the plan's: the sweep's own order rests on few frames
-BUDGET_FRAMES, SETTLED = 18, 10
+BUDGET_FRAMES, SETTLED, LAST = 28, 10, 8
 TRIES = 5  # where the machine's own speed changes
 SHARES = (1.3, 0.9, 0.8, 0.7, 0.6, 0.5, 0.35, 0.25)
 WITHIN = 1.15
@@ -100,11 +101,14 @@ def front(certified):
     return points
 
 
-def settings_of(account):
+def settings_of(account, value):
+    """With `value` for what the budget turns."""
+    turned = account["budget"]["technique"], account["budget"]["knob"]
     used = ["--use", ",".join(t["technique"] for t in account["plan"] if t["stage"] != "draws")]
     for t in account["plan"]:
-        for knob, value in t["settings"].items():
-            used += ["--set", f"{t['technique']}.{knob}={value}"]
+        for knob, set_to in t["settings"].items():
+            now = int(value) if value and (t["technique"], knob) == turned else set_to
+            used += ["--set", f"{t['technique']}.{knob}={now}"]
     return used
 
 
@@ -128,12 +132,14 @@ def budget(strata, own, reference, share, points):
     best = min(within, key=lambda c: c["bound"]["max"], default=None)
     frames = [f["ms"] for f in account["frames"]]
     settled = statistics.median(frames[SETTLED:])
-    bound = largest_bound(strata.render(own + settings_of(account), "--bound", os.path.join(strata.folder, "b.exr"),
-                                        turn=False))
+    values = [f["value"] for f in account["budget"]["frames"]]
+    value = statistics.mode(values[-LAST:])
+    bound = largest_bound(strata.render(own + settings_of(account, value), "--bound",
+                                        os.path.join(strata.folder, "b.exr"), turn=False))
     return {"share": share, "asked_ms": asked, "frames_ms": frames, "settled_ms": settled,
             "of_budget": settled / asked, "met": settled <= WITHIN * asked,
-            "values": [f["value"] for f in account["budget"]["frames"]], "chosen": chosen(account),
-            "certified": bound, "drift": drifts[-1], "disturbed": drifts[:-1], "points_ms": one["ms"],
+            "values": values, "chosen": chosen(account), "value": value, "certified": bound,
+            "drift": drifts[-1], "disturbed": drifts[:-1], "points_ms": one["ms"],
             "sweep_knows": best and {"name": best["name"], "ms": one["ms"][best["name"]],
                                      "certified": best["bound"]["max"]},
             "of_best": bound / best["bound"]["max"] if bound and best else None}

@@ -279,6 +279,42 @@ static void every_frame_is_accounted(void **state) {
     strata_close(s);
 }
 
+/* ---- room ------------------------------------------------------------------------------------ */
+
+/* Bytes of the device's memory that all of it takes. */
+static uint64_t bytes_of(const strata *s) {
+    return gpu_bytes(s->gpu, NULL);
+}
+
+/* A degree a frame brings more and deeper pixels: pools grow before they are short. Fragments of a
+ * number that no pixel had before are still learnt by recording again, once here. */
+static void what_moves_is_recorded_once(void **state) {
+    (void)state;
+    for (size_t b = 0; b < BASE_COUNT(backends); ++b) {
+        strata *s = open_on(backends[b]);
+        strata_scene *sc = load(s, "scene:soup");
+        strata_render_options options = options_of("orbit:30,20", 0);
+        options.width = 48;
+        options.height = 36;
+        options.use = "abuffer,ppc";
+        render(s, sc, &options);
+        const uint64_t exact = bytes_of(s);
+        options.continues = 1;
+        for (int i = 0; i < 3; i++)
+            render(s, sc, &options);
+        assert_true(bytes_of(s) == exact); /* no reserve where nothing moves */
+        options.repeat = 20;
+        options.turn = 1;
+        render(s, sc, &options);
+        uint32_t again = 0;
+        for (uint32_t i = 0; i < options.repeat; ++i)
+            again += s->result.frames[i].retries;
+        assert_in_range(again, 0, 1);
+        assert_true(bytes_of(s) > exact);
+        strata_close(s);
+    }
+}
+
 /* ---- poses ----------------------------------------------------------------------------------- */
 
 static void bad_poses_are_refused(void **state) {
@@ -342,6 +378,7 @@ int main(void) {
         cmocka_unit_test(frames_are_those_rendered_alone),
         cmocka_unit_test(an_orbit_frames_the_first),
         cmocka_unit_test(every_frame_is_accounted),
+        cmocka_unit_test(what_moves_is_recorded_once),
         cmocka_unit_test(bad_poses_are_refused),
         cmocka_unit_test(cameras_have_poses),
     };
