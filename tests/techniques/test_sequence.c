@@ -293,7 +293,7 @@ static void what_moves_is_recorded_once(void **state) {
     for (size_t b = 0; b < BASE_COUNT(backends); ++b) {
         strata *s = open_on(backends[b]);
         strata_scene *sc = load(s, "scene:soup");
-        strata_render_options options = options_of("orbit:30,20", 0);
+        strata_render_options options = options_of(NULL, 0);
         options.width = 48;
         options.height = 36;
         options.use = "abuffer,ppc";
