@@ -18,7 +18,7 @@
 #define ALIKE   0.25 /* of a time: another differs by noise */
 #define TWISTED 2.0  /* factor between the steepness of times and what is expected */
 #define OTHER   1.5  /* factor between the times of two scenes */
-#define SURE    3u   /* frames after which more is tried; each try in vain doubles that, */
+#define SURE    3u   /* frames of a try, and after which there is one; in vain each doubles that, */
 #define DOUBLED 6u   /* so often */
 #define MORE    2.0  /* factor of a level, at most, that is tried */
 #define WORTH   1.25 /* and at least */
@@ -145,13 +145,15 @@ int budget_measure(budget_rule *r, double ms) {
         r->settled_ms = r->fits = r->misses = r->other = r->barred = 0.0; /* the scene is another */
         r->frames = 1;
     }
-    if (r->ms >= LOW * r->target && r->ms <= BUDGET_NEAR * r->target) {
+    if (r->trying && r->frames < SURE && r->ms <= BUDGET_MET * r->target)
+        return 0;
+    const double most = r->trying ? r->target : BUDGET_NEAR * r->target;
+    if (r->ms >= LOW * r->target && r->ms <= most) {
         r->settled_ms = r->ms;
         succeed(r);
         return 0;
     }
-    const uint32_t needed = r->trying && r->ms <= BUDGET_MET * r->target ? 3 : 2;
-    if (r->ms > r->target && r->ms <= DOUBT * r->target && r->frames < needed)
+    if (r->ms > r->target && r->ms <= DOUBT * r->target && r->frames < 2)
         return 0;
     if (r->ms < r->target && r->ms * DOUBT >= r->target && r->frames < 3)
         return 0;
@@ -219,9 +221,22 @@ static int is_late(const budget_watch *w) {
     return budget_lasting(w) > times[w->judged - 1] * w->asked;
 }
 
+/* What was late was so in a slow moment, perhaps: where there is much room for long enough, which
+ * is twice as long each time, all is weighed again. */
+static budget_step weigh_again(budget_watch *w) {
+    const int much =
+        w->late && w->judged == BUDGET_RECENT && budget_lasting(w) <= MUCH * w->asked;
+    w->early = much ? w->early + 1 : 0;
+    if (w->early < BUDGET_RECENT << w->weighed)
+        return BUDGET_STAYS;
+    w->late = w->least_late = w->early = 0;
+    w->weighed++;
+    return replan(w);
+}
+
 static budget_step follow_fixed(budget_watch *w, uint32_t payload) {
     if ((w->late >> payload & 1u) || !is_late(w))
-        return BUDGET_STAYS;
+        return weigh_again(w);
     w->late |= 1u << payload;
     return replan(w);
 }

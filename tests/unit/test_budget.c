@@ -246,15 +246,42 @@ static void more_is_tried_where_it_may_fit(void **state) {
     budget_rule r = budget_begin(100, 1, 254, 5, 100);
     assert_true(after(&r, 2, 94) == 5);
     assert_true(after(&r, 1, 94) == 10);
-    assert_true(after(&r, 2, 96) == 10);
+    assert_true(after(&r, 3, 96) == 10); /* settled with the third */
     assert_true(after(&r, 1, 96) == 20);
-    assert_true(after(&r, 2, 110) == 20);
-    assert_true(after(&r, 1, 110) == 10);
+    assert_true(after(&r, 1, 95) == 20); /* one fast frame is none */
+    assert_true(after(&r, 1, 110) == 20);
+    assert_true(after(&r, 1, 101) == 10);
     assert_true(after(&r, 5, 96) == 10); /* now after six */
     assert_true(after(&r, 1, 96) == 15);
     assert_true(after(&r, 2, 99) == 15);
     assert_true(after(&r, 40, 99) == 15); /* 17 are not worth it */
     assert_int_equal(r.in_vain, 0);
+}
+
+/* A minute in which all takes 1.4 times as long costs fragments; thereafter nearly as many as fit
+ * are found again, where time depends much on them and where it does not. */
+static void a_slow_minute_passes(void **state) {
+    (void)state;
+    static const struct {
+        curve *ms;
+        double target, fits; /* the most that do, to the target */
+    } cases[] = {{linear, 100, 50},
+                 {affine, 100, 100},
+                 {affine, 65, 50},
+                 {flat_then_steep, 50, 122},
+                 {concave, 100, 100}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (double base = 0; base <= 60; base += 20) {
+            budget_rule r = budget_begin(cases[i].target, 1, 254, cases[i].fits, base);
+            for (int frame = 0; frame < 30; frame++)
+                budget_measure(&r, 1.4 * cases[i].ms(r.level));
+            const double slow = kept(&r);
+            for (int frame = 0; frame < 60; frame++)
+                budget_measure(&r, cases[i].ms(r.level));
+            if (!(slow < 0.8 * cases[i].fits && kept(&r) >= cases[i].fits / 1.25))
+                fail_msg("%g ms, base %g: %g, then %g of %g", cases[i].target, base, slow, kept(&r),
+                         cases[i].fits);
+        }
 }
 
 /* What misses by a little may have done so in a slow moment, what takes much too long has not. */
@@ -355,6 +382,35 @@ static void a_knob_that_must_give_much_wants_a_plan(void **state) {
     assert_int_equal(w.replans, 2);
 }
 
+/* Where all was late something is run that turns nothing. Were it a slow moment, there is much room
+ * then, after a while; that is asked less and less. */
+static void what_was_late_is_weighed_again(void **state) {
+    (void)state;
+    budget_watch w = {.asked = 100};
+    budget_planned(&w, NULL);
+    assert_int_equal(take(&w, 160), BUDGET_REPLANS);
+    w.least_late = 1;
+    for (unsigned times = 0; times < 3; times++) {
+        budget_planned(&w, NULL);
+        for (unsigned frame = 1; frame < BUDGET_RECENT - 1 + (BUDGET_RECENT << times); frame++)
+            assert_int_equal(take(&w, 79), BUDGET_STAYS);
+        assert_int_equal(take(&w, 79), BUDGET_REPLANS);
+        assert_true(!w.late && !w.least_late);
+        budget_planned(&w, NULL);
+        for (unsigned frame = 0; frame < 100; frame++) /* no more than was done before */
+            assert_int_equal(take(&w, 79), BUDGET_STAYS);
+        assert_int_equal(take(&w, 1e3), BUDGET_STAYS);
+        w.late = 1u << STRATA_PAYLOAD_HALF;
+        take(&w, 90); /* no room in between */
+        take(&w, 90);
+        take(&w, 90);
+        take(&w, 90);
+    }
+    budget_planned(&w, NULL);
+    for (unsigned frame = 0; frame < 100; frame++)
+        assert_int_equal(take(&w, 81), BUDGET_STAYS);
+}
+
 /* A try that is late ends where it began. */
 static void a_try_wants_no_plan(void **state) {
     (void)state;
@@ -413,10 +469,12 @@ int main(void) {
         cmocka_unit_test(what_is_late_is_late_twice),
         cmocka_unit_test(what_is_early_is_early_thrice),
         cmocka_unit_test(more_is_tried_where_it_may_fit),
+        cmocka_unit_test(a_slow_minute_passes),
         cmocka_unit_test(far_too_much_is_not_tried),
         cmocka_unit_test(tries_are_no_leaps),
         cmocka_unit_test(a_plan_is_given_up_for_lasting_lateness),
         cmocka_unit_test(a_knob_that_must_give_much_wants_a_plan),
+        cmocka_unit_test(what_was_late_is_weighed_again),
         cmocka_unit_test(a_try_wants_no_plan),
         cmocka_unit_test(the_most_asks_for_exactness_once),
         cmocka_unit_test(the_least_asks_for_other_plans),
