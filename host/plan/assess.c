@@ -83,7 +83,7 @@ static plan_role role_of(const modules_technique_note *note) {
 }
 
 const plan_price_in *plan_price_at(const plan_candidate *c, costs_form form) {
-    return &c->price[form.layout < COSTS_LAYOUTS ? form.layout : 0]
+    return &c->price[form.clipped ? 1 : 0][form.layout < COSTS_LAYOUTS ? form.layout : 0]
                     [form.payload < COSTS_PAYLOADS ? form.payload : 0];
 }
 
@@ -105,16 +105,20 @@ uint32_t plan_stored(const plan_candidate *holder) {
     return knob >= 0 && holder->values ? (uint32_t)holder->values[knob] : STRATA_PAYLOAD_FLOAT;
 }
 
+static void price_in(const plan_work *w, plan_candidate *c, costs_form form) {
+    plan_price_in *price = &c->price[form.clipped][form.layout][form.payload];
+    price->points = costs_of(w->in->costs, c->note, form, price->coefficients);
+}
+
 /* With its settings, before it is known what stands beside it. */
 strata_result plan_price(plan_work *w) {
     for (uint32_t i = 0; i < w->count; i++) {
         plan_candidate *c = &w->candidates[i];
-        for (uint32_t layout = 0; layout < COSTS_LAYOUTS; layout++)
-            for (uint32_t payload = 0; payload < COSTS_PAYLOADS; payload++) {
-                plan_price_in *price = &c->price[layout][payload];
-                const costs_form form = {.layout = layout, .payload = payload};
-                price->points = costs_of(w->in->costs, c->note, form, price->coefficients);
-            }
+        for (uint32_t form = 0; form < COSTS_CLIPPED * COSTS_LAYOUTS * COSTS_PAYLOADS; form++)
+            price_in(w, c,
+                     (costs_form){.clipped = form / (COSTS_LAYOUTS * COSTS_PAYLOADS),
+                                  .layout = form / COSTS_PAYLOADS % COSTS_LAYOUTS,
+                                  .payload = form % COSTS_PAYLOADS});
         c->cost = plan_cost(w, c, (costs_form){.payload = plan_stored(c)}, plan_kept(c));
     }
     return STRATA_OK;

@@ -224,8 +224,7 @@ static int is_late(const budget_watch *w) {
 /* What was late was so in a slow moment, perhaps: where there is much room for long enough, which
  * is twice as long each time, all is weighed again. */
 static budget_step weigh_again(budget_watch *w) {
-    const int much =
-        w->late && w->judged == BUDGET_RECENT && budget_lasting(w) <= MUCH * w->asked;
+    const int much = w->late && w->judged == BUDGET_RECENT && budget_lasting(w) <= MUCH * w->asked;
     w->early = much ? w->early + 1 : 0;
     if (w->early < BUDGET_RECENT << w->weighed)
         return BUDGET_STAYS;

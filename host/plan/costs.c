@@ -115,9 +115,11 @@ void costs_name(const modules_technique_note *note, costs_form form, char name[C
     const int meets = names(note, "fragments/1", 0) != NULL,
               stores = meets || costs_payload_knob(note) >= 0;
     const int linked = meets && form.layout == STRATA_FRAGMENTS_LINKED,
-              packed = stores && form.payload > 0 && form.payload < COSTS_PAYLOADS;
-    snprintf(name, COSTS_NAME, "%.60s%s%s%s", note->id, linked ? ".linked" : "", packed ? "." : "",
-             packed ? costs_payload_name(form.payload) : "");
+              packed = stores && form.payload > 0 && form.payload < COSTS_PAYLOADS,
+              clipped = form.clipped && names(note, "limit/1", STRATA_SLOT_CONSUMES) != NULL;
+    snprintf(name, COSTS_NAME, "%.56s%s%s%s%s", note->id, linked ? ".linked" : "",
+             packed ? "." : "", packed ? costs_payload_name(form.payload) : "",
+             clipped ? ".clipped" : "");
 }
 
 static costs_technique *find(const costs *c, const char *name) {
@@ -137,6 +139,9 @@ static const costs_technique *find_in(const costs *c, const modules_technique_no
 static const costs_technique *find_near(const costs *c, const modules_technique_note *note,
                                         costs_form form) {
     const costs_technique *t = find_in(c, note, form);
+    form.clipped = 0;
+    if (!t || !t->fitted)
+        t = find_in(c, note, form);
     return t && t->fitted ? t : find_in(c, note, (costs_form){0});
 }
 

@@ -55,13 +55,15 @@ typedef struct costs {
     double ns; /* of a blended fragment; 0: unknown */
 } costs;
 
-/* How fragments are held between what keeps and what folds them: another work for both. Zero is the
- * form of the modules' coefficients. */
+/* How fragments come to what keeps them, and are held between that and what folds them: another
+ * work. Zero is the form of the modules' coefficients. */
 typedef struct costs_form {
     uint32_t layout;  /* STRATA_FRAGMENTS_* of fragments/1 */
     uint32_t payload; /* STRATA_PAYLOAD_* of a record */
+    uint32_t clipped; /* 1: what lies behind the nearest was hidden before */
 } costs_form;
 
+#define COSTS_CLIPPED  2u
 #define COSTS_LAYOUTS  2u
 #define COSTS_PAYLOADS 3u
 
@@ -86,9 +88,9 @@ int costs_is_unit(const modules_technique_note *note);
  * modules': "abuffer.linked.half". */
 void costs_name(const modules_technique_note *note, costs_form form, char name[COSTS_NAME]);
 
-/* Those to plan with: measured where there are any (c may be NULL), in this form or else in the
- * modules'. Returns the number of points that they rest on, 0 for the module's, -1 when there are
- * none at all. */
+/* Those to plan with: measured where there are any (c may be NULL), in this form, with nothing
+ * hidden, or else in the modules'. Returns the number of points that they rest on, 0 for the
+ * module's, -1 when there are none at all. */
 int costs_of(const costs *c, const modules_technique_note *note, costs_form form,
              double coefficients[COSTS_TERMS]);
 

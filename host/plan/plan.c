@@ -17,8 +17,7 @@ static strata_result no_memory(base_error *err) {
 /* ---- output ---------------------------------------------------------------------------------- */
 
 static uint32_t points_of(const plan *p, const plan_candidate *c) {
-    const costs_form form = {.layout = p->layout, .payload = p->payload.precision};
-    const int points = plan_price_at(c, form)->points;
+    const int points = plan_price_at(c, plan_form(p))->points;
     return points > 0 ? (uint32_t)points : 0;
 }
 
@@ -209,6 +208,11 @@ void plan_free(plan *p) {
     free(p->techniques);
     free(p->left_out);
     free(p);
+}
+
+costs_form plan_form(const plan *p) {
+    return (costs_form){
+        .layout = p->layout, .payload = p->payload.precision, .clipped = p->clipped};
 }
 
 const plan_technique *plan_find(const plan *p, const char *id) {

@@ -127,6 +127,7 @@ typedef struct plan {
     const modules_technique_note *image; /* fills image/1; NULL when a pixel has one sample */
     uint32_t layout;                     /* STRATA_FRAGMENTS_* */
     uint32_t nearest; /* fragments a pixel that the capture or the stream keeps; 0 = all */
+    uint32_t clipped; /* 1: a clip technique hides what lies behind them */
     uint32_t transmittance_channels; /* 1 or 3 */
     plan_payload payload;
     uint32_t bytes_per_fragment; /* of a record in fragments/1, 0 when nothing is captured */
@@ -161,6 +162,9 @@ const plan_effect *plan_material_effect(const plan *p, const scene_material *mat
 
 /* NULL when that technique does not run. */
 const plan_technique *plan_find(const plan *p, const char *id);
+
+/* In which its techniques hold fragments. */
+costs_form plan_form(const plan *p);
 
 /* The knob that is turned, and turning it: `nearest` and what is expected follow. */
 double plan_turned(const plan *p); /* 0 when there is none */

@@ -44,7 +44,7 @@ typedef struct plan_candidate {
     uint64_t set_knobs; /* bit i: knob i was set by the user */
     double *values;
     double cost; /* alone, PLAN_NO_COST when unknown */
-    plan_price_in price[COSTS_LAYOUTS][COSTS_PAYLOADS];
+    plan_price_in price[COSTS_CLIPPED][COSTS_LAYOUTS][COSTS_PAYLOADS];
     uint32_t ways;   /* to fold with it, of those open to the choice */
     double compared; /* of the cheapest of them, PLAN_NO_COST when there is none or it is unknown */
     char reason[256];

@@ -72,8 +72,7 @@ int render_learn_frame(const strata *s, costs *c, double pace) {
     const render_session *session = s->session;
     const render_result *result = &s->result;
     const render_figures *last = &result->frames[result->frame_count - 1];
-    const costs_form form = {.layout = session->plan->layout,
-                             .payload = session->plan->payload.precision};
+    const costs_form form = plan_form(session->plan);
     double terms[COSTS_TERMS];
     char name[COSTS_NAME];
     int learnt = 0;
@@ -91,7 +90,7 @@ int render_learn_frame(const strata *s, costs *c, double pace) {
 
 int render_knows_frame(const strata *s) {
     const plan *p = s->session->plan;
-    const costs_form form = {.layout = p->layout, .payload = p->payload.precision};
+    const costs_form form = plan_form(p);
     int timed = 0;
     for (uint32_t i = 0; i < p->technique_count; ++i) {
         const plan_technique *t = &p->techniques[i];

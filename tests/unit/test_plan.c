@@ -375,7 +375,7 @@ static void everything_has_its_reason(void **state) {
         {{FOR("occupancy kplus ppc over", "bhl"), .use = "kplus"},
          "occupancy",
          "not named in --use; it would hide about 90 % of the fragments from kplus, which saves "
-         "3.3 x floor and costs 1"},
+         "2 x floor and costs 1"},
         {{FOR("occupancy slowk ppc over", "bh"), .use = "slowk,occupancy"},
          "occupancy",
          "named in --use"},

@@ -192,6 +192,49 @@ static void payloads_are_traded_where_they_were_measured(void **state) {
     }
 }
 
+/* kplus takes 3 for a fragment, occupancy 1, and would hide 87 %. What kplus takes then was
+ * measured, or not; it counts in place of what is expected, and in what the whole will take. */
+static void hiding_pays_as_measured(void **state) {
+    (void)state;
+    static const struct {
+        double clipped;   /* 0: not measured */
+        double tolerance; /* frames with a certificate take other times */
+        int measured, pays;
+        double taken; /* by kplus, for what occupancy takes */
+    } rows[] = {{0, 0, 0, 1, 3},
+                {1.5, 0, 1, 1, 1.5},
+                {1.8, 0, 1, 0, 0},
+                {4, 0, 1, 0, 0},
+                {1.5, 0.01, 0, 0, 0}};
+    static const double three[COSTS_TERMS] = {[COSTS_FRAGMENT] = 3},
+                        one[COSTS_TERMS] = {[COSTS_FRAGMENT] = 1};
+    for (size_t i = 0; i < BASE_COUNT(rows); i++) {
+        kit k;
+        demand d;
+        costs c = {0};
+        kit_make(&k, "occupancy kplus ppc over");
+        const double some[COSTS_TERMS] = {[COSTS_FRAGMENT] = rows[i].clipped};
+        kit_measure(&k, &c, "kplus", (costs_form){0}, three, 20, 0);
+        kit_measure(&k, &c, "ppc", (costs_form){0}, one, 20, 0);
+        kit_measure(&k, &c, "occupancy", (costs_form){0}, one, 20, 0);
+        if (rows[i].clipped > 0)
+            kit_measure(&k, &c, "kplus", (costs_form){.clipped = 1}, some, 20, 0);
+        costs_fit(&c, (const modules_note *const *)k.list, k.count);
+        const request r = {FOR("occupancy kplus ppc over", "bh"), .costs = &c, .budget = 1,
+                           .tolerance = rows[i].tolerance};
+        plan *p = get(&r, &k, &d);
+        const char *reason = reason_of(p, "occupancy");
+        assert_int_equal(strstr(reason, "as measured") != NULL, rows[i].measured);
+        assert_string_equal(order_of(p), rows[i].pays ? "occupancy kplus ppc" : "kplus ppc");
+        assert_int_equal(p->clipped, rows[i].pays);
+        if (rows[i].pays)
+            assert_true(fabs(plan_find(p, "kplus")->cost / plan_find(p, "occupancy")->cost -
+                             rows[i].taken) < 0.01);
+        plan_free(p);
+        costs_free(&c);
+    }
+}
+
 static void turning_follows(void **state) {
     (void)state;
     kit k;
@@ -267,6 +310,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_fits_is_taken),
         cmocka_unit_test(payloads_are_traded_where_they_were_measured),
+        cmocka_unit_test(hiding_pays_as_measured),
         cmocka_unit_test(turning_follows),
         cmocka_unit_test(expectations_turn_with_the_knob),
         cmocka_unit_test(exact_ways_say_whether_they_fit),
