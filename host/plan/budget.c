@@ -19,7 +19,8 @@
 #define TWISTED 2.0  /* factor between the steepness of times and what is expected */
 #define OTHER   1.5  /* factor between the times of two scenes */
 #define SURE    3u   /* frames of a try, and after which there is one; in vain each doubles that, */
-#define DOUBLED 6u   /* so often */
+#define DOUBLED 4u   /* so often */
+#define FORGETS 96u  /* frames after which what was tried in vain may be tried again */
 #define MORE    2.0  /* factor of a level, at most, that is tried */
 #define WORTH   1.25 /* and at least */
 
@@ -82,12 +83,13 @@ static double more_than(const budget_rule *r) {
 
 static int try_more(budget_rule *r) {
     const int sure = r->frames >= SURE << r->in_vain && r->ms <= r->target;
+    r->barred = r->frames < FORGETS ? r->barred : 0.0;
     const double next = sure ? more_than(r) : r->level;
     if (next <= r->level)
         return 0;
     r->fits = r->other = r->level;
     r->other_ms = r->ms;
-    r->misses = 0.0;
+    r->misses = r->barred;
     r->settled_ms = 0.0;
     r->trying = 1;
     r->level = next;
@@ -224,10 +226,11 @@ static int is_late(const budget_watch *w) {
 /* What was late was so in a slow moment, perhaps: where there is much room for long enough, which
  * is twice as long each time, all is weighed again. */
 static budget_step weigh_again(budget_watch *w) {
-    const int much = w->late && w->judged == BUDGET_RECENT && budget_lasting(w) <= MUCH * w->asked;
+    const int much = (w->late || w->least_late) && w->judged == BUDGET_RECENT &&
+                     budget_lasting(w) <= MUCH * w->asked;
     w->early = much ? w->early + 1 : 0;
-    if (w->early < BUDGET_RECENT << w->weighed)
-        return BUDGET_STAYS;
+    if (w->early < BUDGET_RECENT << w->weighed || w->replans + 2 > MOST_REPLANS)
+        return BUDGET_STAYS; /* one plan is left for what is late again */
     w->late = w->least_late = w->early = 0;
     w->weighed++;
     return replan(w);

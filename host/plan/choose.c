@@ -244,5 +244,7 @@ strata_result plan_choose(plan_work *w) {
         result = fill_slots(w);
     if (result == STRATA_OK)
         result = check_single_producers(w);
+    if (result == STRATA_OK)
+        plan_settle_clip(w);
     return result;
 }

@@ -21,6 +21,9 @@
 /* Savings are estimates of estimates: they must exceed the cost by this factor. */
 #define MARGIN 1.25
 
+/* Points that a difference may rest on: few, of one sequence of frames, may be of a slow moment. */
+#define SEVERAL 4
+
 /* What holds a pixel's fragments, NULL when nothing does. */
 static plan_candidate *find_holder(const plan_work *w) {
     plan_candidate *holder = NULL;
@@ -58,12 +61,16 @@ static costs_form clipped_form(const plan_work *w) {
     return form;
 }
 
+static int is_known(const plan_work *w, const plan_candidate *holder, costs_form form) {
+    return costs_knows(w->in->costs, holder->note, form) &&
+           plan_price_at(holder, form)->points >= SEVERAL;
+}
+
 /* With nothing hidden and with what is: then their difference is what hiding saves. Under a
  * tolerance what is hidden is drawn and shaded all the same, for its bound. */
 static int is_measured(const plan_work *w, const plan_candidate *holder) {
-    return !(w->in->tolerance > 0.0) &&
-           costs_knows(w->in->costs, holder->note, plan_form(w->out)) &&
-           costs_knows(w->in->costs, holder->note, clipped_form(w));
+    return !(w->in->tolerance > 0.0) && is_known(w, holder, plan_form(w->out)) &&
+           is_known(w, holder, clipped_form(w));
 }
 
 static double measured_savings(const plan_work *w, const plan_candidate *holder) {
@@ -139,9 +146,29 @@ strata_result plan_choose_clip(plan_work *w) {
             weigh(w, c, holder);
             taken = c->chosen;
         }
-        w->out->clipped |= (uint32_t)c->chosen;
     }
-    if (w->out->clipped && is_measured(w, holder))
-        holder->cost = plan_cost(w, holder, clipped_form(w), plan_kept(holder));
     return STRATA_OK;
+}
+
+/* What one more fragment that is kept costs, of what the knob turned can be set to. */
+static double slope(const plan_work *w, const plan_candidate *holder, costs_form form) {
+    const plan *p = w->out;
+    return (plan_cost(w, holder, form, p->turned_most) -
+            plan_cost(w, holder, form, p->turned_least)) /
+           (p->turned_most - p->turned_least);
+}
+
+void plan_settle_clip(plan_work *w) {
+    plan *p = w->out;
+    plan_candidate *holder = find_holder(w);
+    const costs_form all = plan_form(p);
+    for (uint32_t i = 0; i < w->count && holder; i++)
+        p->clipped |= w->candidates[i].chosen && w->candidates[i].role == PLAN_CLIP &&
+                      plan_slot(holder->note, "limit/1", STRATA_SLOT_CONSUMES);
+    const costs_form some = plan_form(p);
+    if (!p->clipped || w->in->tolerance > 0.0 || !costs_knows(w->in->costs, holder->note, some))
+        return;
+    holder->cost = plan_cost(w, holder, some, plan_kept(holder));
+    if (p->turned && p->turned_most > p->turned_least)
+        p->turned_each = fmax(p->turned_each + slope(w, holder, some) - slope(w, holder, all), 0.0);
 }

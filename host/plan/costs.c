@@ -139,7 +139,7 @@ static const costs_technique *find_in(const costs *c, const modules_technique_no
 static const costs_technique *find_near(const costs *c, const modules_technique_note *note,
                                         costs_form form) {
     const costs_technique *t = find_in(c, note, form);
-    form.clipped = 0;
+    form.clipped = !form.clipped;
     if (!t || !t->fitted)
         t = find_in(c, note, form);
     return t && t->fitted ? t : find_in(c, note, (costs_form){0});

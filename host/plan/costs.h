@@ -88,8 +88,8 @@ int costs_is_unit(const modules_technique_note *note);
  * modules': "abuffer.linked.half". */
 void costs_name(const modules_technique_note *note, costs_form form, char name[COSTS_NAME]);
 
-/* Those to plan with: measured where there are any (c may be NULL), in this form, with nothing
- * hidden, or else in the modules'. Returns the number of points that they rest on, 0 for the
+/* Those to plan with: measured where there are any (c may be NULL), in this form, clipped
+ * or not, or else in the modules'. Returns the number of points that they rest on, 0 for the
  * module's, -1 when there are none at all. */
 int costs_of(const costs *c, const modules_technique_note *note, costs_form form,
              double coefficients[COSTS_TERMS]);

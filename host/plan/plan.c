@@ -17,7 +17,9 @@ static strata_result no_memory(base_error *err) {
 /* ---- output ---------------------------------------------------------------------------------- */
 
 static uint32_t points_of(const plan *p, const plan_candidate *c) {
-    const int points = plan_price_at(c, plan_form(p))->points;
+    costs_form form = plan_form(p);
+    form.clipped &= (uint32_t)c->chosen;
+    const int points = plan_price_at(c, form)->points;
     return points > 0 ? (uint32_t)points : 0;
 }
 

@@ -152,6 +152,8 @@ uint32_t plan_promised_order(const plan_candidate *c);
 
 /* ---- clip.c */
 strata_result plan_choose_clip(plan_work *w); /* after the fold, before other optional ones */
+/* Once it is known what runs: notes whether something is hidden, and what the holder costs then. */
+void plan_settle_clip(plan_work *w);
 
 /* ---- cull.c */
 void plan_choose_cull(plan_work *w); /* after the surface, before other optional ones */

@@ -322,6 +322,7 @@ strata_result render_frame(render_session *session, const scene_view *view,
     strata_result r = STRATA_OK;
     int again = 1;
     *failed = NULL;
+    render_room_watch(session, view);
     for (session->attempt = 0; again && r == STRATA_OK; session->attempt++) {
         if (session->attempt == MAX_ATTEMPTS) {
             r = base_fail(err, STRATA_ERROR_OVERFLOW, "the frame was recorded %u times in vain",
@@ -332,10 +333,10 @@ strata_result render_frame(render_session *session, const scene_view *view,
         session->report = (render_report){0};
         session->owner->result.pass_count = 0;
         r = render_prepare_in_room(session, &again, failed, err);
+        if (r == STRATA_OK && !again && session->attempt == 0)
+            r = render_room_ahead(session, &again, err);
         if (again)
             continue;
-        if (r == STRATA_OK && session->attempt == 0)
-            r = render_room_ahead(session, view, err);
         forget_needs(session);
         if (r == STRATA_OK)
             r = record_opaque(session, view, options, &again, failed, err);

@@ -47,6 +47,15 @@ static int is_typical(const plan_technique *t) {
     return 1;
 }
 
+/* What a clip technique leaves depends on its knobs. */
+static int clips_as_usual(const plan *p) {
+    for (uint32_t i = 0; i < p->technique_count; ++i)
+        if (strcmp(p->techniques[i].technique->stage, "clip") == 0 &&
+            !is_typical(&p->techniques[i]))
+            return 0;
+    return 1;
+}
+
 /* Of all its passes; below 0 where one was not measured. */
 static double time_of(const render_result *result, const char *technique) {
     double sum = 0;
@@ -76,7 +85,8 @@ int render_learn_frame(const strata *s, costs *c, double pace) {
     double terms[COSTS_TERMS];
     char name[COSTS_NAME];
     int learnt = 0;
-    if (last->prepared || last->retries || session->certify || result->has_deep)
+    if (last->prepared || last->retries || session->certify || result->has_deep ||
+        !clips_as_usual(session->plan))
         return 0;
     for (uint32_t i = 0; i < session->plan->technique_count; ++i) {
         const plan_technique *t = &session->plan->techniques[i];

@@ -127,8 +127,6 @@ typedef struct render_session {
     uint32_t prepared; /* 0: prepare() is due */
     uint32_t changed;  /* STRATA_CHANGED_* for it */
     uint64_t frame_index;
-    float seen[16]; /* world_to_clip of the frame before */
-    uint64_t seen_revision;
     uint32_t attempt;
     strata_program deep_program; /* made when the first deep image is asked for */
     strata_buffer deep_elements;
@@ -179,6 +177,9 @@ typedef struct render_start {
     const scene *scene; /* NULL: none began */
     scene_box bounds;
     scene_view view; /* for the key light */
+    uint32_t frames; /* so far; of the last: */
+    float seen[16];  /* world_to_clip */
+    uint64_t seen_revision;
     uint32_t moving; /* 1: the camera or the scene was another in two frames */
 } render_start;
 
@@ -317,9 +318,11 @@ const void *render_extension(const gpu *g, const char *id);
 /* render_session_prepare; *again = 1: it did not fit and the frame was split, prepare again. */
 strata_result render_prepare_in_room(render_session *session, int *again, const char **failed,
                                      base_error *err);
-/* Before a frame is recorded: where the camera or the scene is another than in the one before, what
- * may soon be short grows, which costs no recording now. */
-strata_result render_room_ahead(render_session *session, const scene_view *view, base_error *err);
+/* Before a frame: whether the camera or the scene is another than in the one before. */
+void render_room_watch(render_session *session, const scene_view *view);
+/* Before it is recorded: where it moves what may soon be short grows, which costs no recording now.
+ * *again = 1: for want of memory the frame was split instead, prepare again. */
+strata_result render_room_ahead(render_session *session, int *again, base_error *err);
 /* Grows what was short; or splits the frame. */
 strata_result render_make_room(render_session *session, base_error *err);
 

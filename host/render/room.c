@@ -71,6 +71,11 @@ static strata_result grow(render_session *session, render_technique *t, uint32_t
     uint64_t capacity = with_reserve(t, pool, needed);
     capacity = capacity < most ? capacity : most;
     strata_result r = gpu_pool_grow(g, t->pools[pool], capacity, &failure);
+    if (r == STRATA_ERROR_OUT_OF_DEVICE_MEMORY && needed > 0 && needed < capacity) {
+        failure = (base_error){0};
+        capacity = needed;
+        r = gpu_pool_grow(g, t->pools[pool], capacity, &failure);
+    }
     if (r == STRATA_ERROR_OUT_OF_DEVICE_MEMORY)
         return split(session, 2, failure.text, err);
     if (r != STRATA_OK)
@@ -112,13 +117,21 @@ strata_result render_make_room(render_session *session, base_error *err) {
     return make_room(session, 0, err);
 }
 
-strata_result render_room_ahead(render_session *session, const scene_view *view, base_error *err) {
-    const int same = memcmp(session->seen, view->world_to_clip, sizeof session->seen) == 0 &&
-                     session->seen_revision == session->scene_revision;
-    memcpy(session->seen, view->world_to_clip, sizeof session->seen);
-    session->seen_revision = session->scene_revision;
-    session->owner->start.moving |= session->frame_index > 0 && !same;
-    return session->owner->start.moving ? make_room(session, 1, err) : STRATA_OK;
+void render_room_watch(render_session *session, const scene_view *view) {
+    render_start *start = &session->owner->start;
+    const int same = memcmp(start->seen, view->world_to_clip, sizeof start->seen) == 0 &&
+                     start->seen_revision == session->scene_revision;
+    start->moving |= start->frames++ > 0 && !same;
+    memcpy(start->seen, view->world_to_clip, sizeof start->seen);
+    start->seen_revision = session->scene_revision;
+}
+
+strata_result render_room_ahead(render_session *session, int *again, base_error *err) {
+    if (!session->owner->start.moving)
+        return STRATA_OK;
+    strata_result r = make_room(session, 1, err);
+    *again = r == STRATA_OK && !session->prepared;
+    return r;
 }
 
 strata_result render_prepare_in_room(render_session *session, int *again, const char **failed,

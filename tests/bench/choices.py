@@ -8,8 +8,8 @@ it measures, interleaved, each in a process of its own with the camera turned by
 * the plan without any option, beside the sweep's fastest exact configurations;
 * --tolerance 1/255, beside the sweep's cheapest configurations whose certificate is below it;
 * --budget, for several shares of the fastest exact time, which is measured anew before each: whether it is
-  met within 15 % after at most ten frames, and what is certified, at the setting that most of the last frames
-  had, beside the best that the sweep knows for so much time. Those of its configurations that nothing else
+  met within 15 % after at most ten frames, by all of them and by those with the setting that most of the last
+  frames had, and what is certified with that, beside the best that the sweep knows for so much time. Those of its configurations that nothing else
   beats in both time and certificate are measured again for that, right after; null where none of them is in
   time, itself without those 15 %: the budget may be more than the device can meet. Where the fastest exact one
   takes a seventh more or less afterwards than before, the machine had other things to do, and all of it is
@@ -131,9 +131,10 @@ def budget(strata, own, reference, share, points):
     within = [c for c in points if one["ms"][c["name"]] <= asked]
     best = min(within, key=lambda c: c["bound"]["max"], default=None)
     frames = [f["ms"] for f in account["frames"]]
-    settled = statistics.median(frames[SETTLED:])
     values = [f["value"] for f in account["budget"]["frames"]]
     value = statistics.mode(values[-LAST:])
+    settled = max(statistics.median(frames[SETTLED:]),
+                  statistics.median([f for f, v in zip(frames[-LAST:], values[-LAST:]) if v == value]))
     bound = largest_bound(strata.render(own + settings_of(account, value), "--bound",
                                         os.path.join(strata.folder, "b.exr"), turn=False))
     return {"share": share, "asked_ms": asked, "frames_ms": frames, "settled_ms": settled,

@@ -98,7 +98,13 @@ if [ "$(get before.json measured_on)" = null ] && [ -s "$learnt" ] && clean; the
     run render $scene $size -o x.png --repeat 3 --learn --use abuffer,ppc --set abuffer.payload=half
     grep -q '"abuffer.half"' "$learnt" && grep -q '"ppc.half"' "$learnt" && grep -q '"abuffer"' "$learnt"
     verdict 'records of less precision are learnt apart'
-    echo '{"format":1,"device":7}' >"$learnt"
+    run render $scene $size -o x.png --repeat 3 --learn --use occupancy,kplus,ppc --set occupancy.buckets=64
+    run render $scene $size -o x.png --repeat 3 --learn --use kplus,ppc
+    grep -q '"kplus"' "$learnt" && ! grep -q clipped "$learnt" &&
+        run render $scene $size -o x.png --repeat 3 --learn --use occupancy,kplus,ppc &&
+        grep -q '"kplus.clipped"' "$learnt"
+    verdict 'what a clip technique leaves is learnt apart, as it usually does'
+    echo '{"format":2,"device":7}' >"$learnt"
     run plan $scene $size --json
     [ "$status" -eq 0 ] && is_line 'is ignored' && [ "$(get out measured_on)" = null ]
     verdict 'a damaged file is ignored, with a line'
