@@ -297,7 +297,9 @@ static void what_moves_is_recorded_once(void **state) {
         options.width = 48;
         options.height = 36;
         options.use = "abuffer,ppc";
-        render(s, sc, &options);
+        render_named(s, sc, "orbit:90,0", 0);
+        render(s, sc, &options); /* other stills are no motion */
+        assert_int_equal(s->start.moving, 0);
         const uint64_t exact = bytes_of(s);
         options.continues = 1;
         for (int i = 0; i < 3; i++)
