@@ -81,20 +81,26 @@ static double more_than(const budget_rule *r) {
     return next >= WORTH * r->level || next == r->maximum ? next : r->level;
 }
 
+/* The level that is left is one that was measured. */
+static int leave_for(budget_rule *r, double next) {
+    r->other = r->level;
+    r->other_ms = r->ms;
+    r->level = next;
+    r->frames = 0;
+    return 1;
+}
+
 static int try_more(budget_rule *r) {
     const int sure = r->frames >= SURE << r->in_vain && r->ms <= r->target;
     r->barred = r->frames < FORGETS ? r->barred : 0.0;
     const double next = sure ? more_than(r) : r->level;
     if (next <= r->level)
         return 0;
-    r->fits = r->other = r->level;
-    r->other_ms = r->ms;
+    r->fits = r->level;
     r->misses = r->barred;
     r->settled_ms = 0.0;
     r->trying = 1;
-    r->level = next;
-    r->frames = 0;
-    return 1;
+    return leave_for(r, next);
 }
 
 static void succeed(budget_rule *r) {
@@ -104,15 +110,10 @@ static void succeed(budget_rule *r) {
 
 /* A try that takes too long ends where it began. */
 static int give_back(budget_rule *r) {
-    const double began = r->other;
     r->settled_ms = r->other_ms;
-    r->misses = r->other = r->level;
-    r->other_ms = r->ms;
-    r->level = began;
     r->in_vain += r->in_vain < DOUBLED;
     r->trying = 0;
-    r->frames = 0;
-    return 1;
+    return leave_for(r, r->other);
 }
 
 static double next_level(const budget_rule *r) {
@@ -168,11 +169,7 @@ int budget_measure(budget_rule *r, double ms) {
         r->settled_ms = r->ms;
         return 0;
     }
-    r->other = r->level;
-    r->other_ms = r->ms;
-    r->level = next;
-    r->frames = 0;
-    return 1;
+    return leave_for(r, next);
 }
 
 /* ---- plans ----------------------------------------------------------------------------------- */

@@ -9,12 +9,12 @@ it measures, interleaved, each in a process of its own with the camera turned by
 * --tolerance 1/255, beside the sweep's cheapest configurations whose certificate is below it;
 * --budget, for several shares of the fastest exact time, which is measured anew before each: whether it is
   met within 15 % after at most ten frames, by all of them and by those with the setting that most of the last
-  frames had, and what is certified with that, beside the best that the sweep knows for so much time. Those of its configurations that nothing else
-  beats in both time and certificate are measured again for that, right after; null where none of them is in
-  time, itself without those 15 %: the budget may be more than the device can meet. Where the fastest exact one
-  takes a seventh more or less afterwards than before, the machine had other things to do, and all of it is
-  done again, up to five times: how much that differed in those that do not count is listed, and `drift` is
-  that of the one that counts, the last.
+  frames had, and what is certified with that, beside the best that the sweep knows for so much time. Those of
+  its configurations that nothing else beats in both time and certificate are measured again for that, right
+  after; null where none of them is in time, itself without those 15 %: the budget may be more than the device
+  can meet. Where the fastest exact one takes a seventh more or less afterwards than before, the machine had
+  other things to do, and all of it is done again, up to five times: how much that differed in those that do
+  not count is listed, and `drift` is that of the one that counts, the last.
 
 Prints JSON; the ratios are what counts.
 """
