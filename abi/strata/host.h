@@ -132,6 +132,9 @@ typedef struct strata_render_options {
      * to need no more; then, over the frames of a `repeat` or of a sequence, what they took decides.
      * Under a tolerance it changes nothing. */
     double budget;
+    /* With learn: how many times as long as usual frames take at present, above 0, by what the caller
+     * renders beside them; what is learnt is divided by it. 0 = 1. */
+    double pace;
 } strata_render_options;
 
 /* Renders a scene of this instance. options NULL = defaults. The image stays with the instance until

@@ -6,6 +6,7 @@
  *     sweep.c          the command: options, cases, resuming
  *     sweep_case.c     one scene at one size: reference, errors, rounds of frames
  *     sweep_frame.c    one configuration: its certificate and error, its times
+ *     sweep_pace.c     how fast the device is while they are taken
  *     sweep_results.c  the JSON: begun, saved
  *     sweep_load.c     the JSON: read again, and checked
  *     sweep_judge.c    multiples of the floor, the front, what must hold, in words
@@ -16,7 +17,7 @@
 
 #include "cli/cli.h"
 
-#define SWEEP_FORMAT    "strata-sweep/1"
+#define SWEEP_FORMAT    "strata-sweep/2"
 #define SWEEP_MAX_CASES 16
 #define SWEEP_VISIT     3u          /* frames measured before another configuration has its turn */
 #define SWEEP_WARMUP    2u          /* frames before them */
@@ -40,11 +41,19 @@ typedef struct sweep_options {
     int all, resume;
 } sweep_options;
 
+/* The floor of a case, rendered again and again by an instance of its own. */
+typedef struct sweep_pace {
+    strata *s; /* NULL: nothing is blended, or it failed */
+    strata_scene *scene;
+    strata_render_options options;
+} sweep_pace;
+
 typedef struct sweep {
     const sweep_options *options;
     json_t *root;
     strata *s;           /* of the case at work */
     strata_scene *scene; /* likewise */
+    sweep_pace pace;     /* likewise */
     double began;        /* seconds, for the time left */
     double done, total;  /* visits */
 } sweep;
@@ -97,6 +106,16 @@ int sweep_error(sweep *w, size_t at_case, size_t at, const sweep_place *place,
 int sweep_time(sweep *w, size_t at_case, size_t at, const sweep_place *place, uint32_t round);
 /* Closes the instance and opens another, after a failure. Status. */
 int sweep_reopen(sweep *w, const sweep_place *place);
+
+/* ---- sweep_pace.c ---------------------------------------------------------------------------- */
+/* For the case at work, where the floor is among its configurations. Status. */
+int sweep_pace_begin(sweep *w, size_t at_case, const sweep_place *place);
+void sweep_pace_end(sweep *w);
+/* *ms of a frame of the floor, now; 0: there is no pace. Status. */
+int sweep_pace_take(sweep *w, double *ms);
+/* The median of all that were taken of a case, in its configurations' "pace_ms", and of `now`
+ * unless that is 0; 0: there is none. */
+double sweep_pace_usual(const json_t *one, double now);
 
 /* ---- sweep_judge.c --------------------------------------------------------------------------- */
 /* Figures, front, words and "violations" of the whole, anew from what was measured. */

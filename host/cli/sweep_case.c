@@ -74,7 +74,7 @@ static int list_configurations(sweep *w, const sweep_place *place, json_t **list
 
 /* But for what was found of it. */
 static int same_configuration(const json_t *kept, json_t *chosen) {
-    static const char found[] = " state reason rounds cpu_ms ";
+    static const char found[] = " state reason rounds cpu_ms pace_ms ";
     const char *key;
     json_t *value;
     json_object_foreach(chosen, key, value) {
@@ -272,6 +272,16 @@ static int measure_round(sweep *w, size_t at, const sweep_place *place, uint32_t
     return status;
 }
 
+static int has_visits(const sweep *w, size_t at) {
+    size_t i;
+    const json_t *c;
+    json_array_foreach(json_object_get(case_at(w, at), "configurations"), i, c) {
+        if (is_open(c) && json_array_size(json_object_get(c, "rounds")) < sweep_rounds(w->options))
+            return 1;
+    }
+    return 0;
+}
+
 /* Of this case as it is known, and as much for each one to come. */
 static void expect_visits(sweep *w, size_t at) {
     const size_t count = json_array_size(json_object_get(case_at(w, at), "configurations"));
@@ -291,8 +301,11 @@ int sweep_case(sweep *w, size_t at) {
     }
     if (status == CLI_DONE)
         status = measure_errors(w, at, place, &reference);
+    if (status == CLI_DONE && has_visits(w, at))
+        status = sweep_pace_begin(w, at, place);
     for (uint32_t round = 0; round < sweep_rounds(w->options) && status == CLI_DONE; round++)
         status = measure_round(w, at, place, round);
+    sweep_pace_end(w);
     sweep_image_free(&reference);
     strata_scene_close(w->scene);
     strata_close(w->s);

@@ -17,9 +17,12 @@ void sweep_image_free(sweep_image *im) {
     *im = (sweep_image){0};
 }
 
+static json_t *case_at(const sweep *w, size_t at_case) {
+    return json_array_get(json_object_get(w->root, "cases"), at_case);
+}
+
 static json_t *configuration_at(const sweep *w, size_t at_case, size_t at) {
-    const json_t *one = json_array_get(json_object_get(w->root, "cases"), at_case);
-    return json_array_get(json_object_get(one, "configurations"), at);
+    return json_array_get(json_object_get(case_at(w, at_case), "configurations"), at);
 }
 
 strata_render_options sweep_render_options(const sweep *w, const sweep_place *place,
@@ -210,10 +213,11 @@ static double cpu_ms(void) {
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
-static void keep_times(json_t *c, const json_t *account, double cpu) {
+static void keep_times(json_t *c, const json_t *account, double cpu, double pace) {
     const json_t *frames = cli_array(account, "frame_ms");
     json_array_append_new(json_object_get(c, "rounds"), json_deep_copy(frames));
     json_array_append_new(json_object_get(c, "cpu_ms"), json_real(cpu));
+    json_array_append_new(json_object_get(c, "pace_ms"), json_real(pace));
     json_object_set(c, "passes", json_object_get(account, "passes"));
     json_object_set(c, "plan", json_object_get(account, "plan")); /* the plan's own may change */
     json_object_set_new(c, "state", json_string("measured"));
@@ -247,11 +251,31 @@ static strata_result warm_up(sweep *w, strata_render_options options, uint32_t f
     return r;
 }
 
-/* Then a degree a frame, so that nothing is cached by accident. */
+/* Then a degree a frame, so that nothing is cached by accident; `pace` before and after them. */
+static strata_result measure(sweep *w, strata_render_options *options, const json_t *one,
+                             double *cpu, double *pace, int *status) {
+    double after = 0;
+    *status = sweep_pace_take(w, pace);
+    if (*status != CLI_DONE)
+        return STRATA_OK;
+    const double begin = cpu_ms();
+    options->turn = 1;
+    options->learn = 1;
+    const double usual = sweep_pace_usual(one, *pace);
+    options->pace = *pace > 0 && usual > 0 ? *pace / usual : 1;
+    const strata_result r = strata_render(w->s, w->scene, options);
+    *cpu = (cpu_ms() - begin) / options->repeat;
+    if (r == STRATA_OK || r == STRATA_PARTIAL)
+        *status = sweep_pace_take(w, &after);
+    *pace = *pace > 0 && after > 0 ? (*pace + after) / 2 : 0;
+    return r;
+}
+
 int sweep_time(sweep *w, size_t at_case, size_t at, const sweep_place *place, uint32_t round) {
     json_t *c = configuration_at(w, at_case, at), *account = NULL;
     const char *settings[8];
     char reason[256] = "";
+    double cpu = 0, pace = 0;
     const uint32_t left = w->options->frames - round * SWEEP_VISIT;
     const uint32_t frames = left < SWEEP_VISIT ? left : SWEEP_VISIT;
     strata_render_options options = sweep_render_options(w, place, c, settings);
@@ -260,20 +284,18 @@ int sweep_time(sweep *w, size_t at_case, size_t at, const sweep_place *place, ui
     strata_result r = warm_up(w, options, frames, &slow, &status);
     if (status != CLI_DONE)
         return status;
-    const double before = cpu_ms();
     options.repeat = slow ? 1 : frames;
-    options.turn = 1;
-    options.learn = 1;
     if (r == STRATA_OK)
-        r = strata_render(w->s, w->scene, &options);
-    const double cpu = (cpu_ms() - before) / options.repeat;
+        r = measure(w, &options, case_at(w, at_case), &cpu, &pace, &status);
+    if (status != CLI_DONE)
+        return status;
     if (r != STRATA_OK && r != STRATA_PARTIAL)
         return note_failure(w, place, c, r, strata_error(w->s));
     status = sweep_account(w->s, &account);
     if (status == CLI_DONE && (r = check_plan(account, c, reason)) != STRATA_OK)
         status = note_failure(w, place, c, r, reason);
     else if (status == CLI_DONE)
-        keep_times(c, account, cpu);
+        keep_times(c, account, cpu, pace);
     json_decref(account);
     return status;
 }

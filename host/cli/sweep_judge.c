@@ -9,11 +9,13 @@
 #include <string.h>
 
 enum { MAX_TIMES = 1024 };
+#define LEAST_PACE 1e-3 /* less, or more than its inverse, is no machine's */
 
 typedef struct judged { /* one case */
     json_t *root, *one;
     const json_t *configurations;
     double floor_ms; /* 0: not measured */
+    double pace_ms;  /* of the device, usually; 0: unknown */
     int own_counts;  /* see is_candidate */
     double depth;    /* largest count of fragments in a pixel; infinite when unknown */
 } judged;
@@ -33,15 +35,17 @@ static double median(double *values, size_t count) {
                        : (values[count / 2 - 1] + values[count / 2]) / 2;
 }
 
-static size_t flatten(const json_t *lists, double values[MAX_TIMES]) {
+/* Times of each round divided by what stands for it in `pace`; NULL: as they are. */
+static size_t flatten(const json_t *lists, const json_t *pace, double values[MAX_TIMES]) {
     size_t i, k, count = 0;
     const json_t *list, *value;
     json_array_foreach(lists, i, list) {
+        const double slower = pace ? json_number_value(json_array_get(pace, i)) : 1;
         if (json_is_number(list) && count < MAX_TIMES)
-            values[count++] = json_number_value(list);
+            values[count++] = json_number_value(list) / slower;
         json_array_foreach(list, k, value) {
             if (count < MAX_TIMES)
-                values[count++] = json_number_value(value);
+                values[count++] = json_number_value(value) / slower;
         }
     }
     return count;
@@ -59,16 +63,30 @@ static int is_own(const json_t *c) {
     return !*cli_get(c, "use");
 }
 
+/* How many times as long as usual the floor took in each round; 1 where that is unknown. */
+static void add_pace(const judged *j, json_t *c) {
+    size_t i;
+    const json_t *value;
+    json_t *pace = json_array();
+    json_array_foreach(cli_array(c, "pace_ms"), i, value) {
+        const double times = json_number_value(value) / j->pace_ms; /* not a number without any */
+        json_array_append_new(pace,
+                              json_real(times > LEAST_PACE && times < 1 / LEAST_PACE ? times : 1));
+    }
+    json_object_set_new(c, "pace", pace);
+}
+
 static void add_times(json_t *c) {
     double values[MAX_TIMES];
-    size_t count = flatten(json_object_get(c, "rounds"), values);
+    const json_t *pace = json_object_get(c, "pace");
+    size_t count = flatten(json_object_get(c, "rounds"), pace, values);
     json_object_set_new(c, "frames", json_integer((json_int_t)count));
     const double middle = median(values, count);
     for (size_t i = 0; i < count; i++)
         values[i] = fabs(values[i] - middle);
     json_object_set_new(c, "ms", json_real(middle));
     json_object_set_new(c, "mad_ms", json_real(median(values, count)));
-    count = flatten(json_object_get(c, "cpu_ms"), values);
+    count = flatten(json_object_get(c, "cpu_ms"), NULL, values);
     json_object_set_new(c, "cpu_frame_ms", json_real(median(values, count)));
 }
 
@@ -338,17 +356,20 @@ static void judge_case(json_t *root, json_t *one) {
     judged j = {.root = root,
                 .one = one,
                 .configurations = json_object_get(one, "configurations"),
+                .pace_ms = sweep_pace_usual(one, 0),
                 .depth = depth_of(one)};
     const size_t before = json_array_size(json_object_get(root, "violations"));
     size_t i;
     json_t *c;
     json_object_set_new(one, "words", json_array());
     json_array_foreach(j.configurations, i, c) {
+        add_pace(&j, c);
         if (is_measured(c))
             add_times(c);
         if (is_floor(c) && is_measured(c))
             j.floor_ms = cli_number(c, "ms");
     }
+    json_object_set_new(one, "pace_ms", j.pace_ms > 0 ? json_real(j.pace_ms) : json_null());
     json_object_set_new(one, "floor_ms", j.floor_ms > 0 ? json_real(j.floor_ms) : json_null());
     j.own_counts = is_own_alone(&j);
     add_figures(&j);

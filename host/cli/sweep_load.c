@@ -72,11 +72,13 @@ static int is_state(const char *state, const json_t *rounds) {
 
 /* What was found of one; what it is will be compared with the list of those that there are. */
 static int is_configuration(const json_t *c) {
-    const json_t *rounds = json_object_get(c, "rounds"), *cpu = json_object_get(c, "cpu_ms");
+    const json_t *rounds = json_object_get(c, "rounds"), *cpu = json_object_get(c, "cpu_ms"),
+                 *pace = json_object_get(c, "pace_ms");
     const json_t *error = json_object_get(c, "error"), *bound = json_object_get(c, "bound"),
                  *passes = json_object_get(c, "passes");
     return are_all(rounds, is_round) && are_all(cpu, is_time) &&
-           json_array_size(rounds) == json_array_size(cpu) &&
+           json_array_size(rounds) == json_array_size(cpu) && are_all(pace, is_time) &&
+           json_array_size(rounds) == json_array_size(pace) &&
            is_state(cli_get(c, "state"), rounds) && (!error || is_error(error)) &&
            (!bound || json_is_null(bound) || is_number_or_null(bound, "max")) &&
            (!passes || are_all(passes, is_object)) && is_object_or_null(c, "bytes");

@@ -179,6 +179,7 @@ json_t *sweep_configuration(const sweep_options *o, const sweep_place *place,
     json_object_set_new(object, "reason", json_null());
     json_object_set_new(object, "rounds", json_array());
     json_object_set_new(object, "cpu_ms", json_array());
+    json_object_set_new(object, "pace_ms", json_array());
     return object;
 }
 

@@ -9,9 +9,11 @@
 
 #define LOW 0.9 /* of the target: from there to BUDGET_NEAR a level stays */
 
-/* Of the target: a frame that takes so much longer is believed at once, others twice; and one that
- * takes so much less, others three times: two may be fast by chance. */
-#define DOUBT 2.0
+/* Of the target: a frame that takes so much longer is believed at once, others twice, for what
+ * disturbs one may double it; and one that takes so much less, others three times: two may be fast
+ * by chance. */
+#define DOUBT_LATE  4.0
+#define DOUBT_EARLY 2.0
 
 #define AIM     0.95 /* of the target: it shall be met, not missed by a little */
 #define LARGEST 4.0  /* factor between two levels */
@@ -156,9 +158,9 @@ int budget_measure(budget_rule *r, double ms) {
         succeed(r);
         return 0;
     }
-    if (r->ms > r->target && r->ms <= DOUBT * r->target && r->frames < 2)
+    if (r->ms > r->target && r->ms <= DOUBT_LATE * r->target && r->frames < 2)
         return 0;
-    if (r->ms < r->target && r->ms * DOUBT >= r->target && r->frames < 3)
+    if (r->ms < r->target && r->ms * DOUBT_EARLY >= r->target && r->frames < 3)
         return 0;
     bracket(r);
     if (r->trying && r->ms > r->target)
@@ -176,6 +178,7 @@ int budget_measure(budget_rule *r, double ms) {
 
 #define MOST_REPLANS 8u  /* in a sequence: each costs a frame that prepares */
 #define MUCH         0.8 /* of what was kept: less was not what was expected to fit */
+#define SOME         0.9 /* of the target: room enough where even the least was late */
 #define TRUSTS       2u  /* so many of them where what was expected to fit does not */
 
 static void forget(budget_watch *w) {
@@ -216,15 +219,17 @@ double budget_lasting(const budget_watch *w) {
 /* The fewer frames there are the less is believed: the first ones of a plan are slower than those
  * to come, by a quarter at times. */
 static int is_late(const budget_watch *w) {
-    static const double times[BUDGET_RECENT] = {1.5, 1.3, 1.2, BUDGET_LATE};
+    static const double times[BUDGET_RECENT] = {DOUBT_LATE, 1.3, 1.2, BUDGET_LATE};
     return budget_lasting(w) > times[w->judged - 1] * w->asked;
 }
 
 /* What was late was so in a slow moment, perhaps: where there is much room for long enough, which
- * is twice as long each time, all is weighed again. */
+ * is twice as long each time, all is weighed again; a little room where even the least was late. */
 static budget_step weigh_again(budget_watch *w) {
-    const int much = (w->late || w->least_late) && w->judged == BUDGET_RECENT &&
-                     budget_lasting(w) <= MUCH * w->asked;
+    const double room =
+        (w->least_late ? SOME : MUCH) * w->asked; /* any bound is better than none */
+    const int much =
+        (w->late || w->least_late) && w->judged == BUDGET_RECENT && budget_lasting(w) <= room;
     w->early = much ? w->early + 1 : 0;
     if (w->early < BUDGET_RECENT << w->weighed || w->replans + 2 > MOST_REPLANS)
         return BUDGET_STAYS; /* one plan is left for what is late again */

@@ -43,7 +43,7 @@ int budget_measure(budget_rule *rule, double ms);
 
 /* The plans of a sequence: one that keeps all and takes too long is given up for one that turns a
  * knob, and that one where much would have to be given, or there is room for all again; one that
- * gives up more than its knob, where there is much room for long. */
+ * gives up more than its knob, where there is room for long. */
 typedef struct budget_watch {
     double asked;                 /* ms; 0: none */
     double ms;                    /* mean of the recent frames with one plan and knob */
@@ -54,7 +54,7 @@ typedef struct budget_watch {
     uint32_t retried;    /* 1: exactness was weighed again, at the most that the knob takes */
     uint32_t stuck;      /* 1: the least was set and takes too long */
     uint32_t least_late; /* 1: so it was with this plan, or one before */
-    uint32_t early;      /* frames in a row with much room */
+    uint32_t early;      /* frames in a row with room for another */
     uint32_t weighed;    /* times that what was late was weighed again */
     uint32_t turns;      /* 1: the plan turns a knob, by `rule` */
     budget_rule rule;

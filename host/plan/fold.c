@@ -25,6 +25,7 @@ typedef struct search {
     int within;    /* 1: of a budget */
     double room;
     way fitting, cheapest; /* the best that fits; what comes closest */
+    int alike;             /* 1: that keeps all, and hardly takes longer than the fastest */
 } search;
 
 static const char *const layouts[] = {"contiguous", "linked"};
@@ -226,6 +227,15 @@ static double cost_of(const plan_work *w, const way *candidate) {
     return fold == PLAN_NO_COST || capture == PLAN_NO_COST ? HUGE_VAL : fold + capture;
 }
 
+/* What each part is expected to take, together what the way was weighed with. */
+static void pay_parts(const plan_work *w, const way *b) {
+    const double all = cost_of(w, b),
+                 share = b->keeps > 0.0 && all > 0.0 && all < HUGE_VAL ? b->cost / all : 1.0;
+    b->fold->cost = part_cost(w, b, b->fold) * share;
+    if (b->capture)
+        b->capture->cost = part_cost(w, b, b->capture) * share;
+}
+
 /* Whether it leaves out nothing that is named. */
 static int is_open(const search *s, const way *candidate) {
     return (!s->named[PLAN_CAPTURE] || s->named[PLAN_CAPTURE] == candidate->capture) &&
@@ -341,19 +351,44 @@ static void consider_approximate(search *s, plan_candidate *c) {
         s->cheapest = candidate;
 }
 
+/* What keeps all is not given up for what is hardly faster, where nothing is expected to fit. */
+static void consider_all(search *s, way candidate) {
+    if (!plan_free_count(plan_holder(&candidate)))
+        consider_within(s, candidate);
+}
+
+/* exact: the way that would be taken without a budget, or NULL. */
+static void consider_alike(search *s, const way *exact) {
+    const double room = s->room;
+    if (s->fitting.fold || !(s->cheapest.keeps > 0.0))
+        return;
+    s->room = plan_alike(s->cheapest.cost, room);
+    if (exact && plan_fits(exact, s->room))
+        s->fitting = *exact;
+    else
+        take_ways(s, may_give, consider_all);
+    s->alike = s->fitting.fold != NULL;
+    s->cheapest = s->alike ? s->fitting : s->cheapest;
+    s->fitting = (way){0};
+    s->room = room;
+}
+
 /* Takes the place of what was chosen, where that is not exact or not fast enough. */
 static strata_result choose_within(search *s) {
     plan_work *w = s->w;
     const int exact =
         s->best.fold && is_exact(s->best.fold) && (!s->best.capture || is_exact(s->best.capture));
+    const way exact_way = s->best;
+    const int late = (int)(w->in->late >> exact_way.form.payload & 1u);
     s->room = plan_room(w);
-    if (exact && !(w->in->late >> s->best.form.payload & 1u) && plan_fits(&s->best, s->room))
+    if (exact && !late && plan_fits(&exact_way, s->room))
         return STRATA_OK;
     s->within = 1;
     s->cheapest = exact ? s->best : (way){0};
     take_ways(s, may_give, consider_within);
     /* Where the least may be kept its bound is not given up for what is expected: frames tell. */
     const int bounded = s->cheapest.keeps > 0.0 && !w->in->least_late;
+    consider_alike(s, exact && !late ? &exact_way : NULL);
     for (uint32_t i = 0; i < w->count && !s->fitting.fold && !bounded; i++)
         consider_approximate(s, &w->candidates[i]);
     if (s->fitting.fold || s->cheapest.fold)
@@ -364,8 +399,8 @@ static strata_result choose_within(search *s) {
                      plan_promised_order(s->best.fold) == STRATA_ORDER_APPROXIMATE
                          ? "%s has no bound of its error; nothing else is expected to come as "
                            "close to the budget of %.3g ms"
-                         : "%s is the fastest way with a bound; it is not expected to meet the "
-                           "budget of %.3g ms",
+                         : "%s has a bound, but it is not expected to meet the budget of %.3g ms, "
+                           "and neither is anything else that has one",
                      plan_holder(&s->best)->note->id, w->in->budget);
 }
 
@@ -403,7 +438,7 @@ static void describe_choice(const search *s) {
         else if (s->ways == 1)
             plan_reason(c, "the only %sway to fold transparent fragments%s%s",
                         exact ? "exact " : "", partner ? ", with " : "", partner ? partner : "");
-        else if (b->keeps > 0.0 || s->fitting.fold)
+        else if (b->keeps > 0.0 || s->fitting.fold || s->alike)
             plan_reason(c, "folds about %s fragments%s%s: %s%s", count, partner ? ", with " : "",
                         partner ? partner : "", cost,
                         s->w->in->stats->transparent_fragments > 0.0 ? " x floor" : "");
@@ -514,9 +549,7 @@ strata_result plan_choose_fold(plan_work *w) {
     if (s.best.capture)
         s.best.capture->reason[0] = '\0';
     plan_settle_budget(w, &s.best);
-    s.best.fold->cost = part_cost(w, &s.best, s.best.fold);
-    if (s.best.capture)
-        s.best.capture->cost = part_cost(w, &s.best, s.best.capture);
+    pay_parts(w, &s.best);
     w->out->exact = is_exact(s.best.fold) && (!s.best.capture || is_exact(s.best.capture));
     describe_choice(&s);
     if (plan_has_budget(w->in))

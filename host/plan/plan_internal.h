@@ -119,6 +119,8 @@ int plan_free_payload(const plan_candidate *holder);
 int plan_free_count(const plan_candidate *holder);
 /* Whether what has one cost fits: it is not given up for missing the budget by a little. */
 int plan_fits(const plan_way *candidate, double room);
+/* Where nothing fits: room for what may be as fast as the fastest, and not be late (budget.h). */
+double plan_alike(double fastest, double room);
 /* Sets keeps, cost and error to the most that fits into `room`; 0: even the least does not, and
  * that is what they are set to. */
 int plan_fit_way(const plan_work *w, plan_way *candidate, double room);

@@ -37,6 +37,12 @@ int plan_fits(const plan_way *way, double room) {
     return way->cost <= BUDGET_NEAR * room;
 }
 
+#define ALIKE 1.1 /* costs that expectations do not tell apart */
+
+double plan_alike(double fastest, double room) {
+    return fmin(ALIKE * fastest, BUDGET_LATE * room) / BUDGET_NEAR;
+}
+
 static int is_free(const plan_candidate *c, int knob) {
     return knob >= 0 && !(c->set_knobs >> knob & 1u);
 }
@@ -96,41 +102,75 @@ static double payload_error(const plan_work *w, uint32_t payload) {
                                             : 0.0;
 }
 
-static void keep(const plan_work *w, plan_way *way, double keeps) {
+static void keep(const plan_work *w, plan_way *way, double keeps, double cost) {
     way->keeps = keeps;
-    way->cost = cost_at(w, way, keeps > 0.0 ? keeps : plan_kept(plan_holder(way)));
+    way->cost = cost;
     way->error =
         payload_error(w, way->form.payload) + (keeps > 0.0 ? dropped_error(w, keeps) : 0.0);
 }
 
-/* The more are kept the dearer: the most that fits is found by halving. */
-int plan_fit_way(const plan_work *w, plan_way *way, double room) {
+/* ---- what more of them cost ------------------------------------------------------------------ */
+
+enum { MOST_STEPS = 128 };
+#define STEP                                                                                       \
+    1.2 /* factor between two numbers that are looked at, where they are not neighbours            \
+         */
+
+typedef struct ladder {
+    double keeps[MOST_STEPS], cost[MOST_STEPS]; /* ascending, neither falls */
+    int count;
+} ladder;
+
+/* More fragments never cost less, but measurements are a little off, and what is expected bends to
+ * them: each cost lies halfway between the most that fewer are expected to cost and the least that
+ * more are. */
+static void straighten(ladder *l) {
+    double least[MOST_STEPS], most = 0.0;
+    for (int i = l->count - 1; i >= 0; i--)
+        least[i] = i + 1 < l->count ? fmin(l->cost[i], least[i + 1]) : l->cost[i];
+    for (int i = 0; i < l->count; i++) {
+        most = fmax(most, l->cost[i]);
+        l->cost[i] = 0.5 * (most + least[i]);
+    }
+}
+
+static ladder climb(const plan_work *w, const plan_way *way) {
     const plan_candidate *holder = plan_holder(way);
-    if (!plan_free_count(holder)) {
-        keep(w, way, 0.0);
+    const double top = most(w, holder);
+    ladder l = {.count = 0};
+    for (double k = least(holder); l.count < MOST_STEPS; k = fmax(k + 1.0, floor(k * STEP))) {
+        l.keeps[l.count] = l.count + 1 < MOST_STEPS ? fmin(k, top) : top;
+        l.cost[l.count] = cost_at(w, way, l.keeps[l.count]);
+        if (l.keeps[l.count++] >= top)
+            break;
+    }
+    straighten(&l);
+    return l;
+}
+
+/* Between two steps costs rise evenly. */
+int plan_fit_way(const plan_work *w, plan_way *way, double room) {
+    if (!plan_free_count(plan_holder(way))) {
+        keep(w, way, 0.0, cost_at(w, way, plan_kept(plan_holder(way))));
         return plan_fits(way, room);
     }
-    double fits = least(holder), misses = most(w, holder);
-    keep(w, way, misses);
-    if (way->cost <= room)
-        return 1;
-    keep(w, way, fits);
-    if (way->cost > room)
-        return 0;
-    while (misses - fits > 1.0) {
-        const double middle = floor(0.5 * (fits + misses));
-        keep(w, way, middle);
-        *(way->cost <= room ? &fits : &misses) = middle;
-    }
-    keep(w, way, fits);
+    const ladder l = climb(w, way);
+    int at = l.count - 1;
+    while (at > 0 && l.cost[at] > room)
+        at--;
+    keep(w, way, l.keeps[at], l.cost[at]);
+    if (l.cost[at] > room || at + 1 == l.count || !isfinite(l.cost[at + 1]))
+        return l.cost[at] <= room;
+    const double rise = l.cost[at + 1] - l.cost[at], far = l.keeps[at + 1] - l.keeps[at],
+                 more = fmin(floor(far * (room - l.cost[at]) / rise), far - 1.0);
+    keep(w, way, l.keeps[at] + more, fmin(l.cost[at] + rise * more / far, room));
     return 1;
 }
 
 /* What a kept fragment costs, on the way from the least to the most; 0: unknown. */
 static double each_of(const plan_work *w, const plan_way *chosen) {
-    const plan_candidate *holder = plan_holder(chosen);
-    const double low = least(holder), high = most(w, holder),
-                 each = (cost_at(w, chosen, high) - cost_at(w, chosen, low)) / (high - low);
+    const ladder l = climb(w, chosen);
+    const double each = (l.cost[l.count - 1] - l.cost[0]) / (l.keeps[l.count - 1] - l.keeps[0]);
     return isfinite(each) && each > 0.0 ? each : 0.0;
 }
 

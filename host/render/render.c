@@ -107,6 +107,11 @@ strata_result render_options(const strata_render_options *given, strata_render_o
                          "continues or learn is neither 0 nor 1");
     if (!(options->budget >= 0))
         return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "budget is negative or not a number");
+    if (!(options->pace >= 0 && isfinite(options->pace)))
+        return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT,
+                         "pace is negative or not a finite number");
+    if (options->pace == 0)
+        options->pace = 1;
     if (options->setting_count && !options->settings)
         return base_fail(err, STRATA_ERROR_INVALID_ARGUMENT, "settings is NULL");
     if (!(options->tolerance >= 0))
@@ -224,7 +229,7 @@ static strata_result render_frames(strata *s, const strata_render_options *optio
             return r;
         result->frames[result->frame_count++] = figures_of(s, &before, base_now_ms() - begin);
         if (options->learn)
-            result->learnt |= (uint32_t)render_learn_frame(s, &s->costs, 1);
+            result->learnt |= (uint32_t)render_learn_frame(s, &s->costs, options->pace);
         r = render_budget_learn(s, options, err);
         if (r != STRATA_OK)
             return r;

@@ -11,10 +11,12 @@ it measures, interleaved, each in a process of its own with the camera turned by
   met within 15 % after at most ten frames, by all of them and by those with the setting that most of the last
   frames had, and what is certified with that, beside the best that the sweep knows for so much time. Those of
   its configurations that nothing else beats in both time and certificate are measured again for that, right
-  after; null where none of them is in time, itself without those 15 %: the budget may be more than the device
-  can meet. Where the fastest exact one takes a seventh more or less afterwards than before, the machine had
-  other things to do, and all of it is done again, up to five times: how much that differed in those that do
-  not count is listed, and `drift` is that of the one that counts, the last.
+  after, interleaved with what the plan ended with: as much as that is slower or faster now than it was in the
+  sequence (`pace`), so are they. Null where none of them is in time, itself without those 15 %: the budget may
+  be more than the device can meet.
+
+What the processors lost to other machines on the same host, where Linux says so, is the share `stolen`: what
+is measured while that is more than 2 % is measured again, up to ten times, and the least disturbed is taken.
 
 Prints JSON; the ratios are what counts.
 """
@@ -30,9 +32,34 @@ TOLERANCE = 0.00392
 ROUNDS, FRAMES, WARMUP = 4, 6, 2
 BEST = 4  # configurations beside the plan's: the sweep's own order rests on few frames
 BUDGET_FRAMES, SETTLED, LAST = 28, 10, 8
-TRIES = 5  # where the machine's own speed changes
 SHARES = (1.3, 0.9, 0.8, 0.7, 0.6, 0.5, 0.35, 0.25)
 WITHIN = 1.15
+STOLEN, TRIES = 0.02, 10
+
+
+def processors():
+    """Ticks that were worked, and that were stolen, since the machine started; zeros where nobody tells."""
+    try:
+        with open("/proc/stat") as file:
+            ticks = [int(word) for word in file.readline().split()[1:9]]
+    except OSError:
+        return 0, 0
+    return ticks[0] + ticks[1] + ticks[2], ticks[7]
+
+
+def undisturbed(measure):
+    """What measure() gives while little is stolen, and the share that was."""
+    best = None
+    for _ in range(TRIES):
+        before = processors()
+        result = measure()
+        worked, stolen = (after - earlier for after, earlier in zip(processors(), before))
+        share = stolen / (worked + stolen) if stolen else 0.0
+        if best is None or share < best[1]:
+            best = result, share
+        if share <= STOLEN:
+            break
+    return best
 
 
 class Strata:
@@ -53,7 +80,7 @@ class Strata:
             return json.load(file) | {"status": done.returncode}
 
     def times(self, command):
-        frames = self.render(command, "--repeat", str(FRAMES + WARMUP))["frames"]
+        frames = undisturbed(lambda: self.render(command, "--repeat", str(FRAMES + WARMUP))["frames"])[0]
         return [f["ms"] for f in frames[WARMUP:]]
 
 
@@ -68,10 +95,10 @@ def chosen(account):
                       for t in account["plan"])
 
 
-def race(strata, commands):
+def race(strata, commands, rounds=ROUNDS):
     """Median milliseconds of each command, interleaved."""
     times = {name: [] for name in commands}
-    for i in range(ROUNDS):
+    for i in range(rounds):
         names = list(commands) if i % 2 == 0 else list(commands)[::-1]
         for name in names:
             times[name] += strata.times(commands[name])
@@ -112,36 +139,30 @@ def settings_of(account, value):
     return used
 
 
-def sequence(strata, own, reference, share, points):
-    """A sequence of frames with a budget, and what the sweep's points take right after it."""
-    before = statistics.median(strata.times(reference) + strata.times(reference))
-    asked = share * before
-    account = strata.render(own + ["--budget", f"{asked:.4g}"], "--repeat", str(BUDGET_FRAMES))
-    ms = {c["name"]: statistics.median(strata.times(command_of(c))) for c in points}
-    after = statistics.median(strata.times(reference) + strata.times(reference))
-    return {"account": account, "asked": asked, "ms": ms, "drift": after / before}
-
-
 def budget(strata, own, reference, share, points):
-    drifts = []
-    while not drifts or not (1 / WITHIN <= drifts[-1] <= WITHIN or len(drifts) == TRIES):
-        one = sequence(strata, own, reference, share, points)
-        drifts.append(one["drift"])
-    asked, account = one["asked"], one["account"]
-    within = [c for c in points if one["ms"][c["name"]] <= asked]
-    best = min(within, key=lambda c: c["bound"]["max"], default=None)
+    """A sequence of frames with a budget, and what the sweep's points take right after it, in its pace."""
+    def frames_within():
+        ms = share * statistics.median(strata.times(reference) + strata.times(reference))
+        return ms, strata.render(own + ["--budget", f"{ms:.4g}"], "--repeat", str(BUDGET_FRAMES))
+
+    (asked, account), stolen = undisturbed(frames_within)
     frames = [f["ms"] for f in account["frames"]]
     values = [f["value"] for f in account["budget"]["frames"]]
     value = statistics.mode(values[-LAST:])
-    settled = max(statistics.median(frames[SETTLED:]),
-                  statistics.median([f for f, v in zip(frames[-LAST:], values[-LAST:]) if v == value]))
-    bound = largest_bound(strata.render(own + settings_of(account, value), "--bound",
-                                        os.path.join(strata.folder, "b.exr"), turn=False))
+    last = statistics.median([f for f, v in zip(frames[-LAST:], values[-LAST:]) if v == value])
+    settled = max(statistics.median(frames[SETTLED:]), last)
+    ended = own + settings_of(account, value)
+    ms = race(strata, {"ended": ended} | {c["name"]: command_of(c) for c in points}, 2)
+    pace = last / ms.pop("ended")
+    ms = {name: pace * t for name, t in ms.items()}
+    within = [c for c in points if ms[c["name"]] <= asked]
+    best = min(within, key=lambda c: c["bound"]["max"], default=None)
+    bound = largest_bound(strata.render(ended, "--bound", os.path.join(strata.folder, "b.exr"), turn=False))
     return {"share": share, "asked_ms": asked, "frames_ms": frames, "settled_ms": settled,
             "of_budget": settled / asked, "met": settled <= WITHIN * asked,
             "values": values, "chosen": chosen(account), "value": value, "certified": bound,
-            "drift": drifts[-1], "disturbed": drifts[:-1], "points_ms": one["ms"],
-            "sweep_knows": best and {"name": best["name"], "ms": one["ms"][best["name"]],
+            "stolen": stolen, "pace": pace, "points_ms": ms,
+            "sweep_knows": best and {"name": best["name"], "ms": ms[best["name"]],
                                      "certified": best["bound"]["max"]},
             "of_best": bound / best["bound"]["max"] if bound and best else None}
 

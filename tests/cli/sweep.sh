@@ -39,7 +39,7 @@ verdict 'a sweep is done'
 r=one/results.json
 "$json_get" $r >/dev/null
 verdict 'results are one object'
-value 'format' $r format strata-sweep/1
+value 'format' $r format strata-sweep/2
 value 'complete' $r complete true
 value 'no violations' $r violations '[]'
 value 'scene' $r cases/0/scene 'scene:layers?count=12'
@@ -67,8 +67,9 @@ while [ $i -lt "$count" ]; do
     name=$(get $r $c/name)
     [ "$(get $r $c/state)" = measured ] || wrong="$wrong; $name: $(get $r $c/state)"
     [ "$(get $r $c/error/violations)" = 0 ] || wrong="$wrong; $name: beyond its certificate"
+    get $r $c/pace_ms | grep -q '[1-9]' || wrong="$wrong; $name: no pace"
     for member in ms mad_ms cpu_frame_ms x_floor memory command passes/0/label error/flip/mean \
-        error/rmse error/uncertified_pixels rounds/0/0; do
+        error/rmse error/uncertified_pixels rounds/0/0 pace_ms/0 pace/0; do
         get $r $c/$member >value && [ -s value ] || wrong="$wrong; $name: no $member"
     done
     case $name in
@@ -138,6 +139,21 @@ verdict 'what was measured stays'
 [ "$(get two/results.json 'cases/0/configurations/#')" = "$count" ] &&
     [ "$(get two/results.json 'cases/#')" = 1 ]
 verdict 'nothing is there twice'
+
+# The pace of the first three rewritten: as usual, twice as slow, unknown.
+member() { get two/results.json "cases/0/configurations/$1/$2"; }
+awk '/"pace_ms": \[/ { at++; print; getline; $0 = (at == 2 ? 2 : at == 3 ? 0 : 1) } { print }' \
+    two/results.json >two/paced && mv two/paced two/results.json
+run "$@" -o two --resume
+[ "$status" -eq 0 ] && [ "$(get two/results.json cases/0/pace_ms)" = 1 ] && [ "$(member 0 pace)" = '[1]' ] &&
+    [ "$(member 1 pace)" = '[2]' ] && [ "$(member 2 pace)" = '[1]' ]
+verdict 'paces are multiples of the usual one'
+for at in 0 1 2; do
+    echo "$(member $at rounds/0/0) $(member $at rounds/0/1) $(member $at pace/0) $(member $at ms)" \
+        "$(member $at cpu_ms/0) $(member $at cpu_frame_ms)"
+done | awk 'function near(a, b) { return a > 0 && a / b > 1 - 1e-6 && a / b < 1 + 1e-6 }
+    { wrong += !(near(($1 + $2) / 2 / $3, $4) && near($5, $6)) } END { exit wrong || NR != 3 }'
+verdict 'and times are divided by them'
 rm -r two/pictures two/report.html
 run "$@" -o two --resume
 [ "$status" -eq 0 ] && [ -s two/report.html ] && [ -s two/pictures/0-0-exact.png ]
@@ -159,7 +175,7 @@ while IFS='|' read -r name edit; do
 done <<'END'
 empty|d
 cut short|20q
-of another format|s/strata-sweep.1/strata-sweep.2/
+of another format|s/strata-sweep.2/strata-sweep.1/
 of another machine|s/"cores": /"cores": 9/
 of another device|s/"driver": "/"driver": "x/
 of other modules|s/"use": "wboit"/"use": "wbait"/
@@ -167,7 +183,9 @@ without configurations|s/"configurations": \[/"configurations": 3, "x": [/
 with texts for times|s/^\( *\)"rounds": \[/\1"rounds": ["now"], "x": [/
 with negative times|s/^\( *\)"cpu_ms": \[/\1"cpu_ms": [-1], "x": [/
 with an unknown state|s/"state": "measured"/"state": "nice"/
-measured without times|s/"rounds": \[/"rounds": [], "x": [/;s/"cpu_ms": \[/"cpu_ms": [], "y": [/
+measured without times|s/"rounds": \[/"rounds": [], "x": [/;s/"cpu_ms": \[/"cpu_ms": [], "y": [/;s/"pace_ms": \[/"pace_ms": [], "z": [/
+with negative paces|s/"pace_ms": \[/"pace_ms": [-1], "x": [/
+with more paces than rounds|s/"pace_ms": \[/"pace_ms": [1, /
 with more rounds than costs|s/"cpu_ms": \[/"cpu_ms": [1, /
 with texts for what is kept|s/"keeps": 4/"keeps": "4"/
 with other promises|s/"bits": true/"bits": false/
@@ -183,7 +201,7 @@ of cases twice|s/^ "cases": \[/ "cases": [{}, /
 with cases that are no list|s/^ "cases": \[/ "cases": 1, "x": [/
 not UTF-8|s/"kplus"/"\xff"/
 END
-for text in '{}' '[]' '"strata-sweep\/1"' '{"format":"strata-sweep/1"}' '{"format":"strata-sweep/1","format":1}'; do
+for text in '{}' '[]' '"strata-sweep\/2"' '{"format":"strata-sweep/2"}' '{"format":"strata-sweep/2","format":1}'; do
     echo "$text" >bad/results.json
     refuse "results that are $text" 1 'cannot go on with it' "$@" -o bad --resume
 done

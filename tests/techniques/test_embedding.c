@@ -114,12 +114,42 @@ static void senseless_options_are_refused(void **state) {
     render_refused(s, sc, &o, "tolerance");
     o = small, o.tolerance = (double)NAN;
     render_refused(s, sc, &o, "tolerance");
+    o = small, o.pace = -1;
+    render_refused(s, sc, &o, "pace");
+    o = small, o.pace = (double)INFINITY;
+    render_refused(s, sc, &o, "pace");
     o = small, o.outputs = 0x80;
     render_refused(s, sc, &o, "outputs");
     o = small, o.bands = UINT32_MAX; /* more than there are pixels: one each */
     assert_int_equal(strata_render(s, sc, &o), STRATA_OK);
     assert_int_equal(s->session->band_count, WIDTH * HEIGHT);
     strata_close(s);
+}
+
+static double longest_learnt(double pace) {
+    const strata_open_options options = {.struct_size = sizeof options, .cache_dir = ""};
+    strata_render_options o = small;
+    strata *s = NULL;
+    double longest = 0;
+    assert_int_equal(strata_open(&options, &s), STRATA_OK);
+    o.repeat = 3;
+    o.learn = 1;
+    o.pace = pace;
+    assert_int_equal(strata_render(s, layers(s), &o), STRATA_OK);
+    for (uint32_t i = 0; i < s->costs.count; ++i)
+        for (uint32_t k = 0; k < s->costs.techniques[i].count; ++k)
+            longest = fmax(longest, s->costs.techniques[i].points[k].ms);
+    strata_close(s);
+    return longest;
+}
+
+/* Of frames that take a billion times as long as usual next to nothing is learnt. */
+static void what_is_learnt_is_in_the_usual_pace(void **state) {
+    (void)state;
+    const double usual = longest_learnt(0);
+    if (!(usual > 0))
+        skip(); /* a device that times no passes */
+    assert_true(usual > 1e-4 && longest_learnt(1e9) < 1e-4 && longest_learnt(1) > 1e-4);
 }
 
 /* However often the device is lost, from one render to the next it is replaced. */
@@ -329,6 +359,7 @@ int main(void) {
         cmocka_unit_test(a_scene_of_another_instance_is_refused),
         cmocka_unit_test(unknown_options_are_refused),
         cmocka_unit_test(senseless_options_are_refused),
+        cmocka_unit_test(what_is_learnt_is_in_the_usual_pace),
         cmocka_unit_test(every_render_may_lose_the_device),
         cmocka_unit_test(pools_of_opaque_techniques_grow),
         cmocka_unit_test(structs_of_techniques_are_checked),

@@ -45,6 +45,9 @@ static void what_fits_is_taken(void **state) {
         {{FOR("abuffer ppc pass over", "b"), US, .budget = 3.6}, "pass", 5, NULL},
         {{FOR("abuffer ppc pass over", "b"), US, .budget = 2}, "pass", 2, NULL},
         {{FOR("abuffer kplus ppc pass over", "b"), US, .budget = 2}, "kplus ppc", 10, NULL},
+        {{FOR("pass over", "bd"), US, .budget = 35.1}, "pass", 55, NULL},
+        {{FOR("pass over", "bd"), US, .budget = 35.6}, "pass", 55, NULL},
+        {{FOR("pass over", "bd"), US, .budget = 35.7}, "pass", 56, NULL},
         /* the last resort */
         {{FOR("abuffer ppc wboit over", "b"), US, .budget = 1},
          "wboit",
@@ -192,6 +195,99 @@ static void payloads_are_traded_where_they_were_measured(void **state) {
     }
 }
 
+/* kplus takes 1 + k / 20, ppc 1, in units of 20 us; with `at` kept it was measured to take `off`
+ * times that. */
+static void measure_bent(costs *c, const kit *k, double at, double off) {
+    static const double one[COSTS_TERMS] = {[COSTS_FRAGMENT] = 1},
+                        rising[COSTS_TERMS] = {[COSTS_FRAGMENT] = 1, [COSTS_KEPT] = 0.5};
+    strata_scene_stats stats;
+    demand d;
+    double terms[COSTS_TERMS];
+    kit_scene("b", &d, &stats);
+    *c = (costs){0};
+    kit_measure(k, c, "kplus", (costs_form){0}, rising, 20, 0);
+    kit_measure(k, c, "ppc", (costs_form){0}, one, 20, 0);
+    for (double keeps = 1; keeps <= 10; keeps++) {
+        costs_terms(kit_technique(k, "kplus"), &stats, keeps, terms);
+        const double ms = costs_sum(rising, terms) * 20e-6;
+        assert_true(costs_add(c, "kplus", terms, keeps == at ? ms * off : ms));
+    }
+    costs_fit(c, (const modules_note *const *)k->list, k->count);
+}
+
+/* One of the times is off: what fits rises with the budget all the same, and no budget is left far
+ * from used up. */
+static void more_never_costs_less(void **state) {
+    (void)state;
+    static const struct { double at, off; } rows[] = {{1, 1.5}, {3, 1.5}, {9, 0.6}, {5, 1}};
+    for (size_t i = 0; i < BASE_COUNT(rows); i++) {
+        double last = 0, last_ms = 0;
+        for (int step = 0; step < 40; step++) {
+            kit k;
+            demand d;
+            costs c;
+            kit_make(&k, "kplus ppc over");
+            measure_bent(&c, &k, rows[i].at, rows[i].off);
+            const double budget = 0.02 + 0.001 * step;
+            const request r = {FOR("kplus ppc over", "b"), .costs = &c, .budget = budget};
+            plan *p = get(&r, &k, &d);
+            assert_true(plan_turned(p) >= last && p->ms >= last_ms);
+            assert_true(p->warning_count || p->ms <= budget * (1 + 1e-9));
+            last = plan_turned(p);
+            last_ms = p->ms;
+            plan_free(p);
+            costs_free(&c);
+        }
+    }
+}
+
+/* kplus + ppc take 1.4 + k / 10, abuffer + ppc as half 1.6, and as float `whole`. */
+static void all_is_not_given_up_for_little(void **state) {
+    (void)state;
+    static const struct {
+        double whole, budget;
+        uint32_t late;
+        const char *order;
+        uint32_t payload;
+        double keeps;
+    } rows[] = {
+        {4, 1.51, 0, "kplus ppc", STRATA_PAYLOAD_FLOAT, 1},  /* it fits */
+        {4, 1.47, 0, "abuffer ppc", STRATA_PAYLOAD_HALF, 0}, /* 1.6 of 1.5, and not late */
+        {4, 1.44, 0, "kplus ppc", STRATA_PAYLOAD_FLOAT, 1},  /* it would be */
+        {4, 1.47, 2, "kplus ppc", STRATA_PAYLOAD_FLOAT, 1},
+        {1.61, 1.47, 0, "abuffer ppc", STRATA_PAYLOAD_FLOAT, 0},
+        {1.61, 1.47, 1, "abuffer ppc", STRATA_PAYLOAD_HALF, 0},
+        {1.66, 1.499, 0, "abuffer ppc", STRATA_PAYLOAD_HALF, 0}, /* 1.11 times as much */
+    };
+    for (size_t i = 0; i < BASE_COUNT(rows); i++) {
+        const double one[COSTS_TERMS] = {[COSTS_FRAGMENT] = 1},
+                     most[COSTS_TERMS] = {[COSTS_FRAGMENT] = 1.4},
+                     less[COSTS_TERMS] = {[COSTS_FRAGMENT] = 0.6},
+                     whole[COSTS_TERMS] = {[COSTS_FRAGMENT] = rows[i].whole - 1};
+        const costs_form all = {0}, half = {.payload = STRATA_PAYLOAD_HALF};
+        kit k;
+        demand d;
+        costs c = {0};
+        kit_make(&k, "abuffer kplus ppc wboit over");
+        kit_measure(&k, &c, "kplus", all, most, 20, 0);
+        kit_measure(&k, &c, "ppc", all, one, 20, 0);
+        kit_measure(&k, &c, "abuffer", all, whole, 20, 0);
+        kit_measure(&k, &c, "wboit", all, one, 20, 0); /* has no bound */
+        kit_measure(&k, &c, "ppc", half, one, 20, 0);
+        kit_measure(&k, &c, "abuffer", half, less, 20, 0);
+        costs_fit(&c, (const modules_note *const *)k.list, k.count);
+        const request r = {FOR("abuffer kplus ppc wboit over", "b"), .costs = &c,
+                           .late = rows[i].late, .budget = rows[i].budget * 1000 * 20e-6};
+        plan *p = get(&r, &k, &d);
+        if (strcmp(order_of(p), rows[i].order) != 0 || plan_turned(p) != rows[i].keeps ||
+            p->payload.precision != rows[i].payload)
+            fail_msg("row %zu: '%s' at %g with payload %u", i, order_of(p), plan_turned(p),
+                     p->payload.precision);
+        plan_free(p);
+        costs_free(&c);
+    }
+}
+
 /* kplus takes 3 for a fragment, occupancy 1, and would hide 87 %. What kplus takes then was
  * measured, or not; it counts in place of what is expected, and in what the whole will take. */
 static void hiding_pays_as_measured(void **state) {
@@ -310,6 +406,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_fits_is_taken),
         cmocka_unit_test(payloads_are_traded_where_they_were_measured),
+        cmocka_unit_test(more_never_costs_less),
+        cmocka_unit_test(all_is_not_given_up_for_little),
         cmocka_unit_test(hiding_pays_as_measured),
         cmocka_unit_test(turning_follows),
         cmocka_unit_test(expectations_turn_with_the_knob),

@@ -10,9 +10,16 @@ const measured = (one) => one.configurations.filter((c) => c.state === 'measured
 const shownCost = (one, c) => (isNumber(one.floor_ms) ? c.x_floor : c.ms);
 const costTitle = (one) => (isNumber(one.floor_ms) ? 'time, x floor' : 'time, ms');
 
+// Of the last frame, in the usual pace of the device, as all other times are.
+function passesOf(c) {
+  const pace = c.pace && c.pace.length ? c.pace[c.pace.length - 1] : 1;
+  const usual = (ms) => (isNumber(ms) ? ms / pace : ms);
+  return (c.passes || []).map((pass) => ({...pass, gpu_ms: usual(pass.gpu_ms), cpu_ms: usual(pass.cpu_ms)}));
+}
+
 // What hovering a point says: settings, figures, passes.
 function pointLines(c) {
-  const passes = (c.passes || []).map((pass) =>
+  const passes = passesOf(c).map((pass) =>
     `  ${pass.technique || 'host'}: ${pass.label} ${figure(isNumber(pass.gpu_ms) ? pass.gpu_ms : pass.cpu_ms)} ms`);
   return [c.name, `${figure(c.ms)} ms (MAD ${figure(c.mad_ms)}), ${figure(c.x_floor)} x floor`,
     `measured ${figure(errorOf(c))}, certified ${figure(boundOf(c))}`, ...passes.slice(0, 14),
@@ -183,7 +190,7 @@ function figuresTable(one) {
 }
 
 function passesTable(one) {
-  const rows = measured(one).flatMap((c) => (c.passes || []).map((pass) => ({c, pass})));
+  const rows = measured(one).flatMap((c) => passesOf(c).map((pass) => ({c, pass})));
   return table([
     {title: 'configuration', value: (row) => row.c.name, text: 1},
     {title: 'technique', value: (row) => row.pass.technique, text: 1},
@@ -209,12 +216,22 @@ function notMeasured(one) {
 
 function words(lines) { return element('ul', {class: 'words'}, ...lines.map((line) => element('li', {}, line))); }
 
+// How far the device's own speed went up and down, and that it is not in the figures.
+function paceNote(one) {
+  const paces = measured(one).flatMap((c) => c.pace || []);
+  if (!isNumber(one.pace_ms) || !paces.length) return null;
+  const share = (x) => x.toFixed(2);
+  return element('p', {class: 'note'}, `While this was measured the floor took ${share(Math.min(...paces))} to ${share(Math.max(...paces))} `
+    + 'times as long as usual; all times are divided by what it took beside them.');
+}
+
 function caseSection(one, index) {
   const fragments = one.fragments || {};
   return [element('h2', {id: `case-${index}`}, `${one.scene}, ${one.size[0]} \u00d7 ${one.size[1]}`),
     words(one.words || []),
     element('p', {class: 'note'}, `${whole(fragments.total)} fragments, ${whole(fragments.max_per_pixel)} in the deepest pixel; floor ${figure(one.floor_ms)} ms; exact image by ${one.reference.name || 'the plan'}.`),
     ...plotted('Time against error', () => paretoPlot(one)),
+    paceNote(one),
     element('p', {class: 'note'}, `The floor is the time to blend all fragments once, unordered and unlit.${havePlots ? ' An error of 0 is drawn at the lower edge. Lower left is better.' : ''}`),
     ...plotted('Memory against error', () => memoryPlot(one)),
     ...costOfK(one), ...complexitySection(one), ...pictureSection(one, pictures[index]),
