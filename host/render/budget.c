@@ -82,16 +82,24 @@ static strata_result plan_again(strata *s, base_error *err) {
     return r;
 }
 
+/* Frames that prepare do not, nor does the one after: all memory is new to it, it takes half as
+ * much again. One that was recorded again for more room says little, unless the next one is, too.
+ */
+static int says_something(render_budget *b, const render_figures *figures) {
+    const int prepared = figures->prepared > 0, after = b->prepared,
+              learning = figures->retries > 0 && !b->recorded_again;
+    b->prepared = prepared;
+    b->recorded_again = figures->retries > 0 && !prepared;
+    return !prepared && !after && !learning;
+}
+
 strata_result render_budget_learn(strata *s, const strata_render_options *options,
                                   base_error *err) {
     const render_figures *figures = &s->result.frames[s->result.frame_count - 1];
     render_budget *b = &s->budget;
-    /* A frame that was recorded again for more room says little, unless the next one is, too. */
-    const int learning = figures->retries > 0 && !b->recorded_again;
     const render_budget_frame frame = {.ms = figures->ms,
                                        .level = plan_turned(s->session->plan),
-                                       .judged = figures->prepared == 0 && !learning};
-    b->recorded_again = figures->retries > 0 && figures->prepared == 0;
+                                       .judged = (uint32_t)says_something(b, figures)};
     if (!(b->watch.asked > 0))
         return STRATA_OK;
     if (figures->report.known >> STRATA_REPORT_MAX_PER_PIXEL & 1u)

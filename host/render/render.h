@@ -213,20 +213,20 @@ typedef struct render_result {
 /* A frame of a sequence with a budget. */
 typedef struct render_budget_frame {
     double ms, level; /* level of what is turned, 0: nothing is */
-    uint32_t judged;  /* 0: it prepared, and says nothing */
+    uint32_t judged;  /* 0: it says nothing, see budget.c */
     uint32_t reserved;
 } render_budget_frame;
 
 /* Of a sequence: what was learnt, and what happens next. */
 typedef struct render_budget {
     budget_watch watch;
-    costs costs;                 /* what the device's are, and what the frames add to them */
-    double beside;               /* ms of a frame that are not its passes' */
-    double ns;                   /* of a blended fragment, as frames took it; 0: as costs say */
-    double deepest;              /* most fragments in one pixel that its frames reported */
-    uint32_t replan;             /* 1: the next frame wants another plan */
-    int recorded_again;          /* the last frame was */
-    render_budget_frame *frames; /* the last ones */
+    costs costs;                  /* what the device's are, and what the frames add to them */
+    double beside;                /* ms of a frame that are not its passes' */
+    double ns;                    /* of a blended fragment, as frames took it; 0: as costs say */
+    double deepest;               /* most fragments in one pixel that its frames reported */
+    uint32_t replan;              /* 1: the next frame wants another plan */
+    int prepared, recorded_again; /* the last frame was */
+    render_budget_frame *frames;  /* the last ones */
     uint32_t count;
 } render_budget;
 

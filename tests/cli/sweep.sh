@@ -145,8 +145,8 @@ member() { get two/results.json "cases/0/configurations/$1/$2"; }
 awk '/"pace_ms": \[/ { at++; print; getline; $0 = (at == 2 ? 2 : at == 3 ? 0 : 1) } { print }' \
     two/results.json >two/paced && mv two/paced two/results.json
 run "$@" -o two --resume
-[ "$status" -eq 0 ] && [ "$(get two/results.json cases/0/pace_ms)" = 1 ] && [ "$(member 0 pace)" = '[1]' ] &&
-    [ "$(member 1 pace)" = '[2]' ] && [ "$(member 2 pace)" = '[1]' ]
+[ "$status" -eq 0 ] && [ "$(get two/results.json cases/0/pace_ms)" = 1 ] && [ "$(member 0 pace)" = '[1.0]' ] &&
+    [ "$(member 1 pace)" = '[2.0]' ] && [ "$(member 2 pace)" = '[1.0]' ]
 verdict 'paces are multiples of the usual one'
 for at in 0 1 2; do
     echo "$(member $at rounds/0/0) $(member $at rounds/0/1) $(member $at pace/0) $(member $at ms)" \
