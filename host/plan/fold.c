@@ -270,12 +270,15 @@ static int may_lay_out(const way *agreed, uint32_t layout) {
             (both_know(agreed->capture->note, agreed->fold->note) >> layout & 1u));
 }
 
-/* Where payloads may be traded for time. */
+/* Where payloads may be traded for time; under a tolerance more precise ones may cost no more. */
 static int may_store(const search *s, const way *agreed, uint32_t payload) {
     const plan_candidate *holder = plan_holder(agreed);
-    return payload == agreed->form.payload ||
-           (s->within && plan_free_payload(holder) &&
-            payload <= holder->note->knobs[costs_payload_knob(holder->note)]->maximum);
+    if (payload == agreed->form.payload)
+        return 1;
+    if (!plan_free_payload(holder))
+        return 0;
+    return s->within ? payload <= holder->note->knobs[costs_payload_knob(holder->note)]->maximum
+                     : plan_tolerance(s->w->in) > 0.0 && payload < agreed->form.payload;
 }
 
 /* The way in the form that is agreed upon; in other forms only where both were measured in both. */

@@ -288,6 +288,45 @@ static void all_is_not_given_up_for_little(void **state) {
     }
 }
 
+/* Halves do for a tolerance of 0.005, and floats where those were measured to take no longer. */
+static void a_tolerance_takes_what_costs_less(void **state) {
+    (void)state;
+    static const struct {
+        double whole, half; /* of abuffer, in units; 0: not measured */
+        const char *setting;
+        uint32_t payload;
+    } rows[] = {{4, 2, NULL, STRATA_PAYLOAD_HALF},
+                {2, 4, NULL, STRATA_PAYLOAD_FLOAT},
+                {2, 0, NULL, STRATA_PAYLOAD_HALF},
+                {2, 4, "abuffer.payload=half", STRATA_PAYLOAD_HALF}};
+    for (size_t i = 0; i < BASE_COUNT(rows); i++) {
+        const double one[COSTS_TERMS] = {[COSTS_FRAGMENT] = 1},
+                     whole[COSTS_TERMS] = {[COSTS_FRAGMENT] = rows[i].whole},
+                     less[COSTS_TERMS] = {[COSTS_FRAGMENT] = rows[i].half};
+        const costs_form all = {0}, half = {.payload = STRATA_PAYLOAD_HALF},
+                         coarse = {.payload = STRATA_PAYLOAD_UNORM8}; /* too coarse */
+        kit k;
+        demand d;
+        costs c = {0};
+        kit_make(&k, "abuffer ppc over");
+        kit_measure(&k, &c, "ppc", coarse, one, 20, 0);
+        kit_measure(&k, &c, "abuffer", coarse, one, 20, 0);
+        kit_measure(&k, &c, "ppc", all, one, 20, 0);
+        kit_measure(&k, &c, "ppc", half, one, 20, 0);
+        kit_measure(&k, &c, "abuffer", all, whole, 20, 0);
+        if (rows[i].half > 0)
+            kit_measure(&k, &c, "abuffer", half, less, 20, 0);
+        costs_fit(&c, (const modules_note *const *)k.list, k.count);
+        const request r = {FOR("abuffer ppc over", "b"), .costs = &c, .tolerance = 0.005,
+                           .settings = {rows[i].setting}};
+        plan *p = get(&r, &k, &d);
+        if (p->payload.precision != rows[i].payload)
+            fail_msg("row %zu: payload %u", i, p->payload.precision);
+        plan_free(p);
+        costs_free(&c);
+    }
+}
+
 /* kplus takes 3 for a fragment, occupancy 1, and would hide 87 %. What kplus takes then was
  * measured, or not; it counts in place of what is expected, and in what the whole will take. */
 static void hiding_pays_as_measured(void **state) {
@@ -408,6 +447,7 @@ int main(void) {
         cmocka_unit_test(payloads_are_traded_where_they_were_measured),
         cmocka_unit_test(more_never_costs_less),
         cmocka_unit_test(all_is_not_given_up_for_little),
+        cmocka_unit_test(a_tolerance_takes_what_costs_less),
         cmocka_unit_test(hiding_pays_as_measured),
         cmocka_unit_test(turning_follows),
         cmocka_unit_test(expectations_turn_with_the_knob),
