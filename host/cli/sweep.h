@@ -21,6 +21,7 @@
 #define SWEEP_MAX_CASES 16
 #define SWEEP_VISIT     3u          /* frames measured before another configuration has its turn */
 #define SWEEP_WARMUP    2u          /* frames before them */
+#define SWEEP_DISTURBED 1.25        /* of the usual pace: worth another visit */
 #define SWEEP_SLOW      1000.0      /* ms of a frame: one before and one measured will do */
 #define SWEEP_PICTURE   256u        /* longest side of a picture in the report */
 #define SWEEP_ENOUGH    (1.0 / 255) /* an error that a display of 8 bits does not show */

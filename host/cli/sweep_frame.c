@@ -258,10 +258,9 @@ static strata_result measure(sweep *w, strata_render_options *options, const jso
     *status = sweep_pace_take(w, pace);
     if (*status != CLI_DONE)
         return STRATA_OK;
-    const double begin = cpu_ms();
+    const double usual = sweep_pace_usual(one, *pace), begin = cpu_ms();
     options->turn = 1;
-    options->learn = 1;
-    const double usual = sweep_pace_usual(one, *pace);
+    options->learn = !(usual > 0 && *pace > SWEEP_DISTURBED * usual);
     options->pace = *pace > 0 && usual > 0 ? *pace / usual : 1;
     const strata_result r = strata_render(w->s, w->scene, options);
     *cpu = (cpu_ms() - begin) / options->repeat;

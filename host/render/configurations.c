@@ -38,9 +38,31 @@ static void use_of(const combination *c, char use[256]) {
                                        parts[i]->technique->id);
 }
 
-static uint32_t settings_of(const combination *c, const char *settings[8]) {
+/* "ID.mode=PRESET" of a capture that does not set it: the plan would take the layout that it knows
+ * to cost less, and what the other one costs would never be known. "" where there is none. */
+static void lay_out(const combination *c, char setting[96]) {
+    const modules_technique_note *fold = c->resolve ? c->fold->technique : NULL;
+    setting[0] = '\0';
+    for (uint32_t i = 0; fold && i < fold->knob_count; ++i) {
+        const strata_knob *knob = fold->knobs[i];
+        if (strcmp(knob->name, "mode") != 0 || knob->type != STRATA_KNOB_CHOICE)
+            continue;
+        snprintf(setting, 96, "%s.mode=", fold->id);
+        for (int k = 0; k < PLAN_VARIANT_KNOBS; ++k)
+            if (strncmp(c->fold->settings[k], setting, strlen(setting)) == 0) {
+                setting[0] = '\0';
+                return;
+            }
+        const size_t length = strlen(setting);
+        snprintf(setting + length, 96 - length, "%s", knob->choices[(uint32_t)knob->preset]);
+    }
+}
+
+static uint32_t settings_of(const combination *c, const char *layout, const char *settings[8]) {
     const plan_variant *parts[] = {c->draws, c->clip, c->fold, c->resolve};
     uint32_t count = 0;
+    if (layout[0])
+        settings[count++] = layout;
     for (size_t i = 0; i < 4; ++i)
         for (int k = 0; parts[i] && k < PLAN_VARIANT_KNOBS && parts[i]->settings[k][0]; ++k)
             settings[count++] = parts[i]->settings[k];
@@ -86,7 +108,7 @@ static void tell(search *q, const char *use, const char *const *settings, uint32
 }
 
 static strata_result try_one(search *q, combination c, base_error *err) {
-    char use[256];
+    char use[256], layout[96];
     const char *settings[8];
     plan *p = NULL;
     base_error why = {0};
@@ -94,7 +116,8 @@ static strata_result try_one(search *q, combination c, base_error *err) {
     use_of(&c, use);
     options.use = use;
     options.settings = settings;
-    options.setting_count = settings_of(&c, settings);
+    lay_out(&c, layout);
+    options.setting_count = settings_of(&c, layout, settings);
     const strata_result r = render_plan(q->s, q->scene, &options, q->view, &p, &why);
     if (r == STRATA_ERROR_OUT_OF_HOST_MEMORY)
         return base_fail(err, r, "%s", why.text);

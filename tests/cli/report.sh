@@ -23,7 +23,7 @@ fi
 hostile='x<img src=1 onerror="broken=1"><b>.glb'
 "$strata" scene glass -o "$hostile" >/dev/null || fail 'a scene with markup in its name'
 set -- sweep scene:glass -o sweep --size 24x18 --also 12x9 --also "./$hostile" --repeat 1 \
-    --only 'abuffer + ppc' --only 'kplus + ppc' --only 'kplus k=4 + ppc' --only 'kplus k=2 + ppc' --only wboit
+    --only 'abuffer mode=contiguous + ppc' --only 'kplus + ppc' --only 'kplus k=4 + ppc' --only 'kplus k=2 + ppc' --only wboit
 run "$@"
 [ "$status" -eq 0 ]
 verdict 'a sweep of three cases'

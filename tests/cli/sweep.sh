@@ -73,7 +73,7 @@ while [ $i -lt "$count" ]; do
         get $r $c/$member >value && [ -s value ] || wrong="$wrong; $name: no $member"
     done
     case $name in
-    'abuffer + ppc' | 'abuffer mode=linked + ppc')
+    'abuffer mode=contiguous + ppc' | 'abuffer mode=linked + ppc')
         [ "$(get $r $c/error/max)$(get $r $c/exact)" = 0true ] || wrong="$wrong; $name: not exact"
         ;;
     'kplus k=4 + ppc')
@@ -214,7 +214,7 @@ cp one/report.html plain.html
 hostile='a</script><script>alert(1)</script>&"'"'"'.glb'
 mkdir -p "$(dirname "./$hostile")"
 "$strata" scene stack --set count=2 -o out.glb >/dev/null && cp out.glb "./$hostile"
-run sweep "./$hostile" --size 16x16 --also 8x8 --repeat 1 --only 'abuffer + ppc' -o 'three & "four"'
+run sweep "./$hostile" --size 16x16 --also 8x8 --repeat 1 --only 'abuffer mode=linked + ppc' -o 'three & "four"'
 [ "$status" -eq 0 ] && [ "$(get 'three & "four"/results.json' 'cases/#')" = 2 ]
 verdict 'two sizes of a scene with a hostile name'
 [ "$(grep -c '<script>alert' 'three & "four"/report.html')" = 0 ] &&
