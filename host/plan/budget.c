@@ -249,9 +249,11 @@ static budget_step follow_turned(budget_watch *w) {
     const budget_rule *rule = &w->rule;
     const double before = rule->trying ? rule->other : rule->level;
     if (budget_measure(&w->rule, budget_lasting(w))) {
-        /* Something else may now be expected to give up less, where much is. A frame that prepares
-         * is too much for the little by which a scene drifts. */
-        if (rule->level < MUCH * before && w->replans < TRUSTS)
+        /* Something else may now be expected to give up less, where much is, or where there is room
+         * for much more. A frame that prepares is too much for the little by which a scene drifts.
+         */
+        const int far = rule->level < MUCH * before || rule->level > MORE * before;
+        if (far && w->replans < TRUSTS)
             return replan(w);
         forget(w);
         return BUDGET_TURNS;

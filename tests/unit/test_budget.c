@@ -415,6 +415,22 @@ static void a_knob_that_must_give_much_wants_a_plan(void **state) {
     assert_int_equal(w.replans, 2);
 }
 
+/* 60 of 100 with 10 fragments: 15 are no more than twice as many. With 45 it is 21. */
+static void room_for_much_more_wants_a_plan(void **state) {
+    (void)state;
+    budget_watch w = turning(10, 254);
+    take(&w, 60);
+    take(&w, 60);
+    assert_int_equal(take(&w, 60), BUDGET_TURNS);
+    assert_true(w.rule.level == 15);
+    w = turning(10, 254);
+    assert_int_equal(take(&w, 45), BUDGET_REPLANS);
+    assert_true(w.rule.level == 21);
+    w = turning(10, 254);
+    w.replans = 2; /* expectations are not trusted any more */
+    assert_int_equal(take(&w, 45), BUDGET_TURNS);
+}
+
 /* Where all was late something is run that turns nothing. Were it a slow moment, there is much room
  * then, after a while; that is asked less and less. */
 static void what_was_late_is_weighed_again(void **state) {
@@ -532,6 +548,7 @@ int main(void) {
         cmocka_unit_test(tries_are_no_leaps),
         cmocka_unit_test(a_plan_is_given_up_for_lasting_lateness),
         cmocka_unit_test(a_knob_that_must_give_much_wants_a_plan),
+        cmocka_unit_test(room_for_much_more_wants_a_plan),
         cmocka_unit_test(what_was_late_is_weighed_again),
         cmocka_unit_test(what_is_late_again_is_given_up_at_last),
         cmocka_unit_test(a_try_wants_no_plan),
