@@ -17,7 +17,7 @@ it measures, interleaved, each in a process of its own with the camera turned by
 
 What the processors lost to other machines on the same host, where Linux says so, is the share `stolen`: what
 is measured while that is more than 2 % is measured again, up to ten times, and the least disturbed is taken.
-A budget whose `pace` is 1.4 or more, or its inverse, is asked for again, up to four times: `doubted` has those.
+A budget whose `pace` is 1.2 or more, or its inverse, is asked for again, up to four times: `doubted` has those.
 
 Prints JSON; the ratios are what counts.
 """
@@ -36,7 +36,7 @@ BUDGET_FRAMES, SETTLED, LAST = 28, 10, 8
 SHARES = (1.3, 0.9, 0.8, 0.7, 0.6, 0.5, 0.35, 0.25)
 WITHIN = 1.15
 STOLEN, TRIES = 0.02, 10
-PACE, BUDGETS = 1.4, 4
+PACE, BUDGETS = 1.2, 4
 
 
 def processors():
@@ -151,7 +151,10 @@ def budget(strata, own, reference, share, points):
     frames = [f["ms"] for f in account["frames"]]
     values = [f["value"] for f in account["budget"]["frames"]]
     value = statistics.mode(values[-LAST:])
-    last = statistics.median([f for f, v in zip(frames[-LAST:], values[-LAST:]) if v == value])
+    prepared = [i for i, f in enumerate(account["frames"]) if f["prepared"]]
+    first = prepared[-1] + 2 if value is None else 0  # plans that turn nothing look alike
+    at_last = [i for i in range(len(frames) - LAST, len(frames)) if values[i] == value]
+    last = statistics.median([frames[i] for i in at_last if i >= first] or frames[-1:])
     settled = max(statistics.median(frames[SETTLED:]), last)
     ended = own + settings_of(account, value)
     ms = race(strata, {"ended": ended} | {c["name"]: command_of(c) for c in points}, 2)
