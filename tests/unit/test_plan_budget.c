@@ -250,14 +250,17 @@ static void all_is_not_given_up_for_little(void **state) {
         const char *order;
         uint32_t payload;
         double keeps;
+        const char *setting;
     } rows[] = {
-        {4, 1.51, 0, "kplus ppc", STRATA_PAYLOAD_FLOAT, 1},  /* it fits */
-        {4, 1.47, 0, "abuffer ppc", STRATA_PAYLOAD_HALF, 0}, /* 1.6 of 1.5, and not late */
-        {4, 1.44, 0, "kplus ppc", STRATA_PAYLOAD_FLOAT, 1},  /* it would be */
-        {4, 1.47, 2, "kplus ppc", STRATA_PAYLOAD_FLOAT, 1},
-        {1.61, 1.47, 0, "abuffer ppc", STRATA_PAYLOAD_FLOAT, 0},
-        {1.61, 1.47, 1, "abuffer ppc", STRATA_PAYLOAD_HALF, 0},
-        {1.66, 1.499, 0, "abuffer ppc", STRATA_PAYLOAD_HALF, 0}, /* 1.11 times as much */
+        {4, 1.51, 0, "kplus ppc", STRATA_PAYLOAD_FLOAT, 1, NULL},  /* it fits */
+        {4, 1.47, 0, "abuffer ppc", STRATA_PAYLOAD_HALF, 0, NULL}, /* 1.6 of 1.5, and not late */
+        {4, 1.44, 0, "kplus ppc", STRATA_PAYLOAD_FLOAT, 1, NULL},  /* it would be */
+        {4, 1.47, 2, "kplus ppc", STRATA_PAYLOAD_FLOAT, 1, NULL},
+        {1.61, 1.47, 0, "abuffer ppc", STRATA_PAYLOAD_FLOAT, 0, NULL},
+        {1.61, 1.47, 1, "abuffer ppc", STRATA_PAYLOAD_HALF, 0, NULL},
+        {1.66, 1.499, 0, "abuffer ppc", STRATA_PAYLOAD_HALF, 0, NULL}, /* 1.11 times as much */
+        {1.61, 1.47, 0, "abuffer ppc", STRATA_PAYLOAD_FLOAT, 0, "abuffer.payload=float"},
+        {1.61, 1.47, 1, "kplus ppc", STRATA_PAYLOAD_FLOAT, 1, "abuffer.payload=float"},
     };
     for (size_t i = 0; i < BASE_COUNT(rows); i++) {
         const double one[COSTS_TERMS] = {[COSTS_FRAGMENT] = 1},
@@ -277,7 +280,8 @@ static void all_is_not_given_up_for_little(void **state) {
         kit_measure(&k, &c, "abuffer", half, less, 20, 0);
         costs_fit(&c, (const modules_note *const *)k.list, k.count);
         const request r = {FOR("abuffer kplus ppc wboit over", "b"), .costs = &c,
-                           .late = rows[i].late, .budget = rows[i].budget * 1000 * 20e-6};
+                           .late = rows[i].late, .settings = {rows[i].setting},
+                           .budget = rows[i].budget * 1000 * 20e-6};
         plan *p = get(&r, &k, &d);
         if (strcmp(order_of(p), rows[i].order) != 0 || plan_turned(p) != rows[i].keeps ||
             p->payload.precision != rows[i].payload)
