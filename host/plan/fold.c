@@ -15,14 +15,19 @@
  */
 #define BITS_WORTH 1.1
 
+/* How many times less than what was measured here something must be expected to cost that never
+ * was: by its module's coefficients it may be off by as much. */
+#define UNMEASURED 4.0
+
 typedef plan_way way;
 
 typedef struct search {
     plan_work *w;
     plan_candidate *named[PLAN_ROLES]; /* of the three roles, NULL = left open */
-    way best;
-    uint32_t ways; /* that were open to the choice */
-    int within;    /* 1: of a budget */
+    way best, measured;                /* of all, and of those that were measured on the device */
+    int doubted;                       /* 1: what would cost less was not */
+    uint32_t ways;                     /* that were open to the choice */
+    int within;                        /* 1: of a budget */
     double room;
     way fitting, cheapest; /* the best that fits; what comes closest */
     int alike;             /* 1: that keeps all, and hardly takes longer than the fastest */
@@ -247,6 +252,12 @@ static double weighed(const way *candidate) {
     return candidate->cost * (is_bounded(candidate->fold) ? BITS_WORTH : 1.0);
 }
 
+static int is_known(const search *s, const way *candidate) {
+    const costs *c = s->w->in->costs;
+    return costs_knows(c, candidate->fold->note, candidate->form) &&
+           (!candidate->capture || costs_knows(c, candidate->capture->note, candidate->form));
+}
+
 static void consider(search *s, way candidate) {
     candidate.cost = cost_of(s->w, &candidate);
     note_way(candidate.capture, candidate.cost);
@@ -254,12 +265,17 @@ static void consider(search *s, way candidate) {
     s->ways++;
     if (!s->best.fold || weighed(&candidate) < weighed(&s->best))
         s->best = candidate;
+    if (is_known(s, &candidate) &&
+        (!s->measured.fold || weighed(&candidate) < weighed(&s->measured)))
+        s->measured = candidate;
 }
 
-static int is_known(const search *s, const way *candidate) {
-    const costs *c = s->w->in->costs;
-    return costs_knows(c, candidate->fold->note, candidate->form) &&
-           (!candidate->capture || costs_knows(c, candidate->capture->note, candidate->form));
+static void doubt(search *s) {
+    if (!s->measured.fold || is_known(s, &s->best) ||
+        !(s->measured.cost < UNMEASURED * s->best.cost))
+        return;
+    s->best = s->measured;
+    s->doubted = 1;
 }
 
 /* Whether the plan may take the layout where another was agreed upon. */
@@ -480,9 +496,9 @@ static void describe_others(const search *s) {
             plan_reason(c, "costs %s against %s of %s%s%s%s", theirs, ours,
                         b->capture ? b->capture->note->id : "", b->capture ? " + " : "",
                         b->fold->note->id,
-                        c->compared != PLAN_NO_COST && c->compared < b->cost
-                            ? ", which promises the same bits everywhere"
-                            : "");
+                        c->compared == PLAN_NO_COST || !(c->compared < b->cost) ? ""
+                        : s->doubted ? ", which was measured here"
+                                     : ", which promises the same bits everywhere");
     }
 }
 
@@ -542,6 +558,7 @@ strata_result plan_choose_fold(plan_work *w) {
     if (result != STRATA_OK)
         return result;
     take_ways(&s, eligible, consider);
+    doubt(&s);
     if (plan_has_budget(w->in))
         result = choose_within(&s);
     if (result != STRATA_OK)

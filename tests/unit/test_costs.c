@@ -282,6 +282,33 @@ static void the_plan_goes_by_what_was_measured(void **state) {
     plan_free(p);
 }
 
+/* abuffer + ppc were measured to cost 12,000 or 21,000; peel would cost 5,000 by its module, which
+ * may be off by a factor of four. */
+static void what_was_never_measured_is_doubted(void **state) {
+    (void)state;
+    const double costs_of_abuffer[] = {11, 20};
+    for (size_t i = 0; i < BASE_COUNT(costs_of_abuffer); i++) {
+        demand d;
+        costs c = {0};
+        base_error err;
+        plan *p = NULL;
+        const double one[COSTS_TERMS] = {[COSTS_FRAGMENT] = 1},
+                     many[COSTS_TERMS] = {[COSTS_FRAGMENT] = costs_of_abuffer[i]};
+        const request r = {FOR("abuffer ppc peel unit over", "b"), .costs = &c};
+        kit_make(&k, "abuffer ppc peel unit over");
+        measure(&c, "unit", one, 20, 0);
+        measure(&c, "ppc", one, 20, 0);
+        measure(&c, "abuffer", many, 20, 0);
+        fit(&c);
+        assert_int_equal(ask(&r, &k, &d, &p, &err), STRATA_OK);
+        assert_string_equal(order_of(p), i == 0 ? "abuffer ppc" : "peel");
+        if (i == 0)
+            assert_non_null(strstr(reason_of(p, "peel"), "which was measured here"));
+        plan_free(p);
+        costs_free(&c);
+    }
+}
+
 /* abuffer + fpc cost 7,000, as lists 5,000; which counts only where both know it. */
 static void layouts_are_measured_apart(void **state) {
     (void)state;
@@ -410,6 +437,7 @@ int main(void) {
         cmocka_unit_test(equal_terms_share_a_point),
         cmocka_unit_test(forms_have_names),
         cmocka_unit_test(the_plan_goes_by_what_was_measured),
+        cmocka_unit_test(what_was_never_measured_is_doubted),
         cmocka_unit_test(layouts_are_measured_apart),
         cmocka_unit_test(files_are_kept_and_doubted),
     };
