@@ -119,6 +119,7 @@ int sweep_pace_take(sweep *w, double *ms);
 double sweep_pace_usual(const json_t *one, double now);
 
 /* ---- sweep_judge.c --------------------------------------------------------------------------- */
+double sweep_median(double *values, size_t count); /* sorts them; 0 of none */
 /* Figures, front, words and "violations" of the whole, anew from what was measured. */
 void sweep_judge(json_t *root);
 

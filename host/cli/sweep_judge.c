@@ -27,8 +27,7 @@ static int by_value(const void *a, const void *b) {
     return left < right ? -1 : left > right;
 }
 
-/* Sorts. */
-static double median(double *values, size_t count) {
+double sweep_median(double *values, size_t count) {
     qsort(values, count, sizeof *values, by_value);
     return count == 0  ? 0
            : count % 2 ? values[count / 2]
@@ -81,13 +80,13 @@ static void add_times(json_t *c) {
     const json_t *pace = json_object_get(c, "pace");
     size_t count = flatten(json_object_get(c, "rounds"), pace, values);
     json_object_set_new(c, "frames", json_integer((json_int_t)count));
-    const double middle = median(values, count);
+    const double middle = sweep_median(values, count);
     for (size_t i = 0; i < count; i++)
         values[i] = fabs(values[i] - middle);
     json_object_set_new(c, "ms", json_real(middle));
-    json_object_set_new(c, "mad_ms", json_real(median(values, count)));
+    json_object_set_new(c, "mad_ms", json_real(sweep_median(values, count)));
     count = flatten(json_object_get(c, "cpu_ms"), NULL, values);
-    json_object_set_new(c, "cpu_frame_ms", json_real(median(values, count)));
+    json_object_set_new(c, "cpu_frame_ms", json_real(sweep_median(values, count)));
 }
 
 static double depth_of(const json_t *one) {

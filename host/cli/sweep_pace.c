@@ -55,17 +55,6 @@ int sweep_pace_begin(sweep *w, size_t at_case, const sweep_place *place) {
     return render_floor(w);
 }
 
-static int by_value(const void *a, const void *b) {
-    const double left = *(const double *)a, right = *(const double *)b;
-    return left < right ? -1 : left > right;
-}
-
-/* Sorts; 0 of none. */
-static double median(double *values, size_t count) {
-    qsort(values, count, sizeof *values, by_value);
-    return count > 0 ? (values[(count - 1) / 2] + values[count / 2]) / 2 : 0;
-}
-
 static double median_frame(const json_t *account) {
     double values[FRAMES];
     size_t i, count = 0;
@@ -74,7 +63,7 @@ static double median_frame(const json_t *account) {
         if (count < FRAMES)
             values[count++] = json_number_value(value);
     }
-    return median(values, count);
+    return sweep_median(values, count);
 }
 
 int sweep_pace_take(sweep *w, double *ms) {
@@ -112,7 +101,7 @@ double sweep_pace_usual(const json_t *one, double now) {
     }
     if (values && now > 0)
         values[count++] = now;
-    const double usual = values ? median(values, count) : 0;
+    const double usual = values ? sweep_median(values, count) : 0;
     free(values);
     return usual;
 }

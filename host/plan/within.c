@@ -112,9 +112,7 @@ static void keep(const plan_work *w, plan_way *way, double keeps, double cost) {
 /* ---- what more of them cost ------------------------------------------------------------------ */
 
 enum { MOST_STEPS = 128 };
-#define STEP                                                                                       \
-    1.2 /* factor between two numbers that are looked at, where they are not neighbours            \
-         */
+#define STEP 1.2 /* factor between two numbers that are looked at, or they are neighbours */
 
 typedef struct ladder {
     double keeps[MOST_STEPS], cost[MOST_STEPS]; /* ascending, neither falls */
