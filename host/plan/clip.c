@@ -168,8 +168,8 @@ void plan_settle_clip(plan_work *w) {
     const costs_form some = plan_form(p);
     if (!p->clipped || w->in->tolerance > 0.0 || !costs_knows(w->in->costs, holder->note, some))
         return;
-    holder->cost *= plan_cost(w, holder, some, plan_kept(holder)) /
-                    plan_cost(w, holder, all, plan_kept(holder));
+    const double kept = plan_kept(holder), whole = plan_cost(w, holder, all, kept);
+    holder->cost = plan_cost(w, holder, some, kept) * (whole > 0.0 ? holder->cost / whole : 1.0);
     if (p->turned && p->turned_most > p->turned_least)
         p->turned_each = fmax(p->turned_each + slope(w, holder, some) - slope(w, holder, all), 0.0);
 }
