@@ -47,6 +47,13 @@ STRATA_EXPORT const char *strata_error(const strata *s);
 
 STRATA_EXPORT uint32_t strata_version(void); /* STRATA_ABI_VERSION of the library */
 
+/* For programs whose device may be the processor, once, before anything else: memory that was freed
+ * stays with the process (up to 512 MiB of it), for all that runs there. Mesa's software drivers take
+ * and free the vertices of every draw, and where those pages go back to the system in between, faulting
+ * them in again can cost a third of a frame, by how blocks happen to lie. Nothing where the C library
+ * is not glibc. */
+STRATA_EXPORT void strata_keep_memory(void);
+
 /* ---- scenes ----------------------------------------------------------------------------------- */
 
 /* Reads .gltf or .glb, or generates a procedural scene when path is "scene:NAME[?K=V[&K=V]..]",

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A program that embeds Strata through strata/host.h alone: loads a scene, lets it turn and move, takes
- * the pixels, and asks what the frame cost. Usage: embed [SCENE [BACKEND]]
+ * A program that embeds Strata through strata/host.h alone: loads a scene, lets it turn and move,
+ * takes the pixels, and asks what the frame cost. Usage: embed [SCENE [BACKEND]]
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,7 +28,8 @@ static strata_result print(void *user, const char *bytes, size_t size) {
 static strata_result turn(strata *s, strata_scene *scene, float *pixels) {
     strata_result result = STRATA_OK;
     for (int frame = 0; frame < FRAMES && result == STRATA_OK; ++frame) {
-        const float lifted[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.02f * (float)frame, 0, 1};
+        const float lifted[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.02f * (float)frame,
+                                  0, 1};
         const strata_render_options options = {.struct_size = sizeof options,
                                                .width = WIDTH,
                                                .height = HEIGHT,
@@ -37,8 +38,8 @@ static strata_result turn(strata *s, strata_scene *scene, float *pixels) {
         if (result == STRATA_OK)
             result = strata_render(s, scene, &options);
         if (result == STRATA_OK)
-            result = strata_read(s, STRATA_OUTPUT_COLOR, pixels,
-                                 sizeof(float) * 4 * WIDTH * HEIGHT);
+            result =
+                strata_read(s, STRATA_OUTPUT_COLOR, pixels, sizeof(float) * 4 * WIDTH * HEIGHT);
         if (result == STRATA_OK)
             print_mean(pixels, frame);
     }
@@ -48,6 +49,7 @@ static strata_result turn(strata *s, strata_scene *scene, float *pixels) {
 int main(int argc, char **argv) {
     const strata_open_options open = {.struct_size = sizeof open,
                                       .backend = argc > 2 ? argv[2] : NULL};
+    strata_keep_memory(); /* the device may be the processor */
     strata *s = NULL;
     strata_scene *scene = NULL;
     float *pixels = malloc(sizeof(float) * 4 * WIDTH * HEIGHT);

@@ -85,6 +85,7 @@ static int run(const choice *c, int argc, char **argv) {
 
 int main(int argc, char **argv) {
     choice c = {0};
+    strata_keep_memory();
     signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error like a full disk */
     argp_err_exit_status = CLI_USAGE;
     argp_program_version_hook = print_version;

@@ -283,6 +283,7 @@ int main(int argc, char **argv) {
                  .warmup = 3,
                  .turn = 1};
     static config configs[MAX_CONFIGS];
+    strata_keep_memory();
     for (int i = 1; i < argc; i += 2) {
         const char *value = i + 1 < argc ? argv[i + 1] : NULL;
         if (strcmp(argv[i], "--help") == 0)

@@ -26,6 +26,9 @@ mkdir -p "$out"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 trap 'exit 130' INT TERM
+# Both keep the memory that their driver frees, see strata_keep_memory.
+MALLOC_MMAP_THRESHOLD_=33554432 MALLOC_TRIM_THRESHOLD_=536870912
+export MALLOC_MMAP_THRESHOLD_ MALLOC_TRIM_THRESHOLD_
 STRATA_CACHE_DIR=$work/cache # what was learnt here would change the settings that are not named
 export STRATA_CACHE_DIR
 
