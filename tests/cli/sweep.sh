@@ -154,6 +154,32 @@ for at in 0 1 2; do
 done | awk 'function near(a, b) { return a > 0 && a / b > 1 - 1e-6 && a / b < 1 + 1e-6 }
     { wrong += !(near(($1 + $2) / 2 / $3, $4) && near($5, $6)) } END { exit wrong || NR != 3 }'
 verdict 'and times are divided by them'
+# lose_third FIRST OTHERS: of two/ the times of the third configuration are lost, and the floor beside the
+# first took FIRST ms, beside the others OTHERS; 0: as long as it did.
+lose_third() {
+    awk -v first="$1" -v others="$2" '
+        /"state": / { pace = ++at == 1 ? first : others }
+        /"state": / && at == 3 { sub(/"measured"/, "\"pending\"") }
+        /"(rounds|cpu_ms|pace_ms)": \[/ && at == 3 { sub(/\[.*/, "[],"); print; lost = 1 }
+        lost { lost = !/^     \]/; next }
+        { print }
+        /"pace_ms": \[/ && pace > 0 { getline; print pace }' two/results.json >two/edited &&
+        mv two/edited two/results.json
+}
+
+# What is measured anew is learnt as if it were in the pace of the others, 100 s a frame.
+lose_third 100000 100000
+STRATA_CACHE_DIR=$folder/paced
+run "$@" -o two --resume
+STRATA_CACHE_DIR=$folder/cache
+[ "$status" -eq 0 ] && [ "$(member 2 'rounds/#')" = 1 ] && [ "$(member 1 pace_ms/0)" = 100000 ] &&
+    grep -Eq '"ms":[0-9]{6}' paced/costs/*.json
+verdict 'what is learnt is in the usual pace'
+lose_third 100000 1
+run "$@" -o two --resume
+[ "$status" -eq 0 ] && [ "$(member 2 'rounds/#')" = 1 ] && [ "$(member 0 'pace_ms/#')" = 1 ] &&
+    [ "$(member 0 pace_ms/0)" != 100000 ] && [ "$(member 1 pace_ms/0)" = 1 ]
+verdict 'what was measured in a slow moment is measured again'
 rm -r two/pictures two/report.html
 run "$@" -o two --resume
 [ "$status" -eq 0 ] && [ -s two/report.html ] && [ -s two/pictures/0-0-exact.png ]
