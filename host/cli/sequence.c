@@ -201,6 +201,19 @@ static void add_warnings(tally *t, const json_t *account) {
     json_decref(told);
 }
 
+/* An instance leaves that open while there may be frames to come. */
+static void warn_of_budget(tally *t) {
+    const json_t *budget = json_object_get(t->last, "budget");
+    char line[80];
+    if (!json_is_false(json_object_get(budget, "met")))
+        return;
+    snprintf(line, sizeof line, "the budget of %.3g ms is missed",
+             json_number_value(json_object_get(budget, "asked_ms")));
+    json_t *told = json_pack("{s:[s]}", "warnings", line);
+    add_warnings(t, told);
+    json_decref(told);
+}
+
 static int tally_frame(tally *t, strata *s, int keep, const char *file) {
     cli_text text = {0};
     const strata_result result = strata_account(s, cli_text_write, &text);
@@ -362,6 +375,8 @@ int cli_render_frames(strata *s, strata_scene *scene, const cli_options *common,
     for (; r->frame < r->frames && status == CLI_DONE; r->frame++)
         status = render_frame(r);
     cli_progress_end();
+    if (status == CLI_DONE)
+        warn_of_budget(&r->tally);
     if (status == CLI_DONE && outputs->account)
         status = tally_save(&r->tally, outputs->account);
     if (status == CLI_DONE && r->partial)

@@ -100,9 +100,9 @@ static int same_configurations(const json_t *kept, const json_t *chosen) {
 }
 
 /* What the exact image is made with: the first capture and resolve whose bits are promised, ""
- * where there are none. The plan's own choice may round differently, and changes with what is
+ * where there is none. The plan's own choice may round differently, and changes with what is
  * learnt. */
-static const char *exact_way(const json_t *listed) {
+static json_t *exact_way(const json_t *listed) {
     size_t i;
     const json_t *one;
     json_array_foreach(cli_array(listed, "configurations"), i, one) {
@@ -110,9 +110,15 @@ static const char *exact_way(const json_t *listed) {
             strcmp(cli_get(one, "order"), "exact") == 0 && cli_number(one, "keeps") == 0 &&
             cli_number(one, "holds") == 0 && strcmp(cli_get(one, "payload"), "float") == 0 &&
             !json_is_true(json_object_get(one, "ends_early")))
-            return cli_get(one, "use");
+            return json_pack("{s:O, s:O}", "use", json_object_get(one, "use"), "settings",
+                             json_object_get(one, "settings"));
     }
-    return "";
+    return json_pack("{s:s, s:[]}", "use", "", "settings");
+}
+
+static int same_way(const json_t *kept, const json_t *chosen) {
+    return json_equal(json_object_get(kept, "use"), json_object_get(chosen, "use")) &&
+           json_equal(json_object_get(kept, "settings"), json_object_get(chosen, "settings"));
 }
 
 static int prepare(sweep *w, size_t at, const sweep_place *place) {
@@ -120,23 +126,23 @@ static int prepare(sweep *w, size_t at, const sweep_place *place) {
     int status = list_configurations(w, place, &listed);
     if (status != CLI_DONE)
         return status;
-    json_t *chosen = choose(w->options, place, listed);
+    json_t *chosen = choose(w->options, place, listed), *exact = exact_way(listed);
     warn_of_idle_names(w->options, place->scene, chosen);
     if (!kept)
         json_array_append_new(json_object_get(w->root, "cases"),
-                              json_pack("{s:s, s:[i,i], s:o, s:O, s:{s:s}}", "scene", place->scene,
+                              json_pack("{s:s, s:[i,i], s:O, s:O, s:O}", "scene", place->scene,
                                         "size", (int)place->width, (int)place->height,
-                                        "configurations", json_incref(chosen), "refused",
-                                        json_object_get(listed, "refused"), "reference", "use",
-                                        exact_way(listed)));
+                                        "configurations", chosen, "refused",
+                                        json_object_get(listed, "refused"), "reference", exact));
     else if (!same_configurations(json_object_get(kept, "configurations"), chosen) ||
-             strcmp(cli_get(json_object_get(kept, "reference"), "use"), exact_way(listed)) != 0)
+             !same_way(json_object_get(kept, "reference"), exact))
         status = cli_fail(CLI_FAILED,
                           "%s/results.json: cannot go on with it: other modules are "
                           "installed now",
                           w->options->folder);
     else
         json_object_set(kept, "refused", json_object_get(listed, "refused"));
+    json_decref(exact);
     json_decref(chosen);
     json_decref(listed);
     return status;
@@ -181,13 +187,11 @@ static void add_complexity(sweep *w, const strata_render_options *exact, json_t 
 }
 
 static int render_reference(sweep *w, size_t at, const sweep_place *place, sweep_image *out) {
-    json_t *one = case_at(w, at), *account = NULL;
+    json_t *one = case_at(w, at), *way = json_object_get(one, "reference"), *account = NULL;
     const char *settings[8];
-    char path[4096], use[256];
-    snprintf(use, sizeof use, "%s", cli_get(json_object_get(one, "reference"), "use"));
+    char path[4096];
     sweep_progress(w, "the exact image");
-    strata_render_options options = sweep_render_options(w, place, one, settings);
-    options.use = use[0] ? use : NULL;
+    strata_render_options options = sweep_render_options(w, place, way, settings);
     options.outputs = STRATA_OUTPUT_BOUND;
     const strata_result r = sweep_render(w, &options, out);
     if (r != STRATA_OK)
@@ -201,9 +205,8 @@ static int render_reference(sweep *w, size_t at, const sweep_place *place, sweep
         status = cli_fail(CLI_FAILED, "%s", strata_error(w->s));
     if (status == CLI_DONE) {
         json_object_set(one, "fragments", json_object_get(account, "fragments"));
-        json_object_set_new(one, "reference",
-                            json_pack("{s:s, s:o, s:O}", "use", use, "name", folded_by(account),
-                                      "bound", json_object_get(account, "bound")));
+        json_object_set_new(way, "name", folded_by(account));
+        json_object_set(way, "bound", json_object_get(account, "bound"));
         add_complexity(w, &options, one);
     }
     json_decref(account);

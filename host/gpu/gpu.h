@@ -221,7 +221,7 @@ strata_buffer gpu_pool_plane(const gpu *g, strata_pool pool, uint32_t plane); /*
 /* ---- what it cost -----------------------------------------------------------------------------
  */
 typedef struct gpu_timing {
-    char label[64], owner[32];
+    char label[64], owner[64];
     double gpu_ms; /* < 0: not measured */
     double cpu_ms; /* recording */
 } gpu_timing;

@@ -197,7 +197,10 @@ void budget_take(budget_watch *w, double ms) {
     memmove(w->recent + 1, w->recent, (BUDGET_RECENT - 1) * sizeof *w->recent);
     w->recent[0] = ms;
     w->judged += w->judged < BUDGET_RECENT;
-    w->ms += (ms - w->ms) / w->judged;
+    double sum = 0.0;
+    for (uint32_t i = 0; i < w->judged; i++)
+        sum += w->recent[i];
+    w->ms = sum / w->judged;
 }
 
 static budget_step replan(budget_watch *w) {

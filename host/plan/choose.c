@@ -74,6 +74,20 @@ static strata_result choose_surface(plan_work *w) {
     return draws ? pick_single(w, &singles[0], reason) : leave_single(w, &singles[0]);
 }
 
+double plan_filter_cost(const plan_work *w, const plan_candidate *fold) {
+    double least = HUGE_VAL;
+    int named = 0;
+    for (uint32_t i = 0; i < w->count; i++) {
+        const plan_candidate *c = &w->candidates[i];
+        if (c->role != PLAN_FILTER || c->blocked || c->cost == PLAN_NO_COST)
+            continue;
+        least = c->named ? c->cost : named ? least : fmin(least, c->cost);
+        named |= c->named;
+    }
+    const int fuses = !named && plan_slot(fold->note, "image/1", STRATA_SLOT_PRODUCES);
+    return w->in->samples > 1 && !fuses && least < HUGE_VAL ? least : 0.0;
+}
+
 /* The chosen technique that folds and could fill image/1 as it does so; NULL when there is none, or
  * --use names a filter of its own. */
 static const plan_candidate *fusing_fold(const plan_work *w) {
@@ -231,13 +245,13 @@ static strata_result check_single_producers(plan_work *w) {
 strata_result plan_choose(plan_work *w) {
     strata_result result = choose_surface(w);
     if (result == STRATA_OK)
+        plan_choose_cull(w);
+    if (result == STRATA_OK)
         result = plan_choose_fold(w);
     if (result == STRATA_OK)
         result = choose_filter(w);
     if (result == STRATA_OK)
         result = plan_choose_clip(w);
-    if (result == STRATA_OK)
-        plan_choose_cull(w);
     if (result == STRATA_OK)
         result = choose_optional(w);
     if (result == STRATA_OK)

@@ -51,9 +51,9 @@ void costs_terms(const modules_technique_note *note, const strata_scene_stats *s
     double fragments = folds ? stats->transparent_fragments : 0.0, mean = stats->mean_depth;
     double pixels = folds ? stats->covered_pixels : (double)stats->width * (double)stats->height;
     double triangles = 0.0, depth = stats->largest_depth;
-    if (names(note, "draws.opaque/1", 0))
+    if (names(note, "draws.opaque/1", 0) || names(note, "draws.opaque.all/1", 0))
         triangles += (double)stats->opaque_triangles;
-    if (names(note, "draws.transparent/1", 0))
+    if (names(note, "draws.transparent/1", 0) || names(note, "draws.transparent.all/1", 0))
         triangles += (double)stats->transparent_triangles;
     if (resolve && nearest > 0.0) {
         fragments = fmin(fragments, kept);
@@ -117,7 +117,7 @@ void costs_name(const modules_technique_note *note, costs_form form, char name[C
     const int linked = meets && form.layout == STRATA_FRAGMENTS_LINKED,
               packed = stores && form.payload > 0 && form.payload < COSTS_PAYLOADS,
               clipped = form.clipped && names(note, "limit/1", STRATA_SLOT_CONSUMES) != NULL;
-    snprintf(name, COSTS_NAME, "%.56s%s%s%s%s", note->id, linked ? ".linked" : "",
+    snprintf(name, COSTS_NAME, "%.63s%s%s%s%s", note->id, linked ? ".linked" : "",
              packed ? "." : "", packed ? costs_payload_name(form.payload) : "",
              clipped ? ".clipped" : "");
 }

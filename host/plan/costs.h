@@ -15,7 +15,7 @@
 
 #define COSTS_MOST_POINTS     48u /* of a technique; the oldest goes */
 #define COSTS_MOST_TECHNIQUES 256u
-#define COSTS_NAME            80u /* bytes of a costs_name */
+#define COSTS_NAME            96u /* bytes of a costs_name */
 
 /* Those of strata_cost_model in its order, and one more. */
 typedef enum costs_term {

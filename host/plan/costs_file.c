@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FORMAT       2 /* counts changes of what is stored and of what the terms mean */
+#define FORMAT       3 /* counts changes of what is stored and of what the terms mean */
 #define LARGEST_FILE ((size_t)8 << 20)
 #define LARGEST      1e15 /* term */
 #define LONGEST_MS   1e7

@@ -11,21 +11,36 @@
 /* Savings are estimates of estimates: they must exceed the cost by this factor. */
 #define MARGIN 1.25
 
-/* What it costs to draw this share of the opaque triangles, and to shade what others overdraw. */
-static double drawing_cost(const plan_work *w, double share) {
-    const strata_scene_stats *stats = w->in->stats;
-    double cost = 0.0;
-    for (uint32_t i = 0; i < w->count; i++) {
-        const plan_candidate *c = &w->candidates[i];
-        const double *each = plan_price_at(c, (costs_form){0})->coefficients;
-        if (c->chosen && plan_slot(c->note, "draws.opaque/1", STRATA_SLOT_CONSUMES))
-            cost += share * (each[COSTS_TRIANGLE] * (double)stats->opaque_triangles +
-                             each[COSTS_FRAGMENT] * stats->opaque_overdraw);
-    }
-    return cost;
+static int draws(const plan_candidate *c) {
+    return c->chosen && plan_slot(c->note, "draws.opaque/1", STRATA_SLOT_CONSUMES) != NULL;
 }
 
-static void weigh(const plan_work *w, plan_candidate *c) {
+/* What it costs this one to draw that share of the opaque triangles, and to shade what others
+ * overdraw. */
+static double drawing_cost(const plan_work *w, const plan_candidate *c, double share) {
+    const strata_scene_stats *stats = w->in->stats;
+    const double *each = plan_price_at(c, (costs_form){0})->coefficients;
+    return share * (each[COSTS_TRIANGLE] * (double)stats->opaque_triangles +
+                    each[COSTS_FRAGMENT] * stats->opaque_overdraw);
+}
+
+static double savings(const plan_work *w, double share) {
+    double saves = 0.0;
+    for (uint32_t i = 0; i < w->count; i++)
+        saves += draws(&w->candidates[i]) ? drawing_cost(w, &w->candidates[i], share) : 0.0;
+    return saves;
+}
+
+/* They are expected to cost so much less. */
+static void save(plan_work *w, double share) {
+    for (uint32_t i = 0; i < w->count; i++) {
+        plan_candidate *c = &w->candidates[i];
+        if (draws(c) && c->cost != PLAN_NO_COST)
+            c->cost = fmax(c->cost - drawing_cost(w, c, share), 0.0);
+    }
+}
+
+static void weigh(plan_work *w, plan_candidate *c) {
     const strata_scene_stats *stats = w->in->stats;
     const char *unnamed = w->in->use ? "not named in --use; " : "";
     char number[32];
@@ -39,13 +54,15 @@ static void weigh(const plan_work *w, plan_candidate *c) {
         return;
     }
     const double share = fmin(gone / (double)stats->opaque_triangles, 1.0);
-    const double saves = drawing_cost(w, share);
+    const double saves = savings(w, share);
     c->chosen = saves > MARGIN * c->cost && !w->in->use;
     plan_reason(c,
                 "%sof the triangles of %s opaque objects about %.0f %% %s hidden or outside: that "
                 "saves %.2g blended fragments and costs %.2g",
                 unnamed, demand_number(stats->opaque_objects, number), 100.0 * share,
                 c->chosen ? "are" : "would be", saves, c->cost);
+    if (c->chosen)
+        save(w, share);
 }
 
 void plan_choose_cull(plan_work *w) {

@@ -11,8 +11,7 @@
 #include <string.h>
 
 /* What the same bits on every device and day are worth: a way that promises them is taken where it
- * costs at most so many times as much as one that does not. Expectations are no closer than that.
- */
+ * costs at most so many times as much as one that does not. Expectations are no closer. */
 #define BITS_WORTH 1.1
 
 /* How many times less than what was measured here something must be expected to cost that never
@@ -73,6 +72,12 @@ static int is_exact(const plan_candidate *c) {
     return c->note->promises && plan_promised_order(c) == STRATA_ORDER_EXACT;
 }
 
+/* All are the nearest where it keeps 0 of them. */
+static int keeps_all(const plan_candidate *c) {
+    return is_exact(c) || (c->note->promises->order == STRATA_ORDER_NEAREST &&
+                           costs_count_knob(c->note) >= 0 && plan_kept(c) == 0.0);
+}
+
 /* Whether it would have to hold more than it can; what keeps the nearest only never has to. */
 static int is_too_deep(const plan_work *w, const plan_candidate *c) {
     const strata_promises *p = c->note->promises;
@@ -95,7 +100,7 @@ static int check_frame(const plan_work *w, plan_candidate *c) {
         plan_reason(c, "deep output needs fragments/1, which it does not produce");
         return 1;
     }
-    if (w->in->need_fragments && p && !is_exact(c)) {
+    if (w->in->need_fragments && p && !keeps_all(c)) {
         plan_reason(c, "deep output needs every fragment, which it does not keep");
         return 1;
     }
@@ -229,7 +234,8 @@ static double part_cost(const plan_work *w, const way *candidate, const plan_can
 static double cost_of(const plan_work *w, const way *candidate) {
     const double fold = part_cost(w, candidate, candidate->fold),
                  capture = candidate->capture ? part_cost(w, candidate, candidate->capture) : 0.0;
-    return fold == PLAN_NO_COST || capture == PLAN_NO_COST ? HUGE_VAL : fold + capture;
+    return (fold == PLAN_NO_COST || capture == PLAN_NO_COST ? HUGE_VAL : fold + capture) +
+           plan_filter_cost(w, candidate->fold);
 }
 
 /* What each part is expected to take, together what the way was weighed with. */
@@ -348,9 +354,11 @@ static int may_give(const plan_work *w, plan_candidate *c) {
 }
 
 /* The less the expected error the better, then the cheaper; where nothing fits, the cheapest. What
- * keeps all and was late is not expected to fit again. */
+ * keeps all and was late is not expected to fit again, and what never was measured may be off. */
 static void consider_within(search *s, way candidate) {
-    const int fits = plan_fit_way(s->w, &candidate, s->room);
+    const int doubtful =
+        s->measured.fold && !is_known(s, &candidate) && !plan_free_count(plan_holder(&candidate));
+    const int fits = plan_fit_way(s->w, &candidate, s->room / (doubtful ? UNMEASURED : 1.0));
     if (!(candidate.keeps > 0.0) && (s->w->in->late >> candidate.form.payload & 1u))
         return;
     if (fits && (!s->fitting.fold || candidate.error < s->fitting.error ||
@@ -362,7 +370,8 @@ static void consider_within(search *s, way candidate) {
 
 /* What promises no bound may be the last resort. */
 static void consider_approximate(search *s, plan_candidate *c) {
-    way candidate = {.fold = c, .cost = c->cost == PLAN_NO_COST ? HUGE_VAL : c->cost};
+    const double alone = c->cost == PLAN_NO_COST ? HUGE_VAL : c->cost;
+    const way candidate = {.fold = c, .cost = alone + plan_filter_cost(s->w, c)};
     if (c->role == PLAN_STREAM && !c->blocked && c->note->promises &&
         plan_promised_order(c) == STRATA_ORDER_APPROXIMATE && !costs_is_unit(c->note) &&
         is_open(s, &candidate) && !check_frame(s->w, c) &&
@@ -412,7 +421,8 @@ static strata_result choose_within(search *s) {
         consider_approximate(s, &w->candidates[i]);
     if (s->fitting.fold || s->cheapest.fold)
         s->best = s->fitting.fold ? s->fitting : s->cheapest;
-    if (s->fitting.fold || !s->cheapest.fold)
+    if (s->fitting.fold || !s->cheapest.fold ||
+        (s->best.fold->named && plan_fits(&s->best, s->room)))
         return STRATA_OK;
     return plan_warn(w,
                      plan_promised_order(s->best.fold) == STRATA_ORDER_APPROXIMATE
@@ -570,7 +580,6 @@ strata_result plan_choose_fold(plan_work *w) {
         s.best.capture->reason[0] = '\0';
     plan_settle_budget(w, &s.best);
     pay_parts(w, &s.best);
-    w->out->exact = is_exact(s.best.fold) && (!s.best.capture || is_exact(s.best.capture));
     describe_choice(&s);
     if (plan_has_budget(w->in))
         plan_explain_budget(w, &s.best);

@@ -262,6 +262,14 @@ void plan_expect(plan *p, plan *later) {
     *p = after;
     p->techniques = before.techniques;
     p->effects = before.effects;
+    for (uint32_t i = 0; i < p->effect_count; i++) { /* all are there, by id */
+        plan_effect *e = &p->effects[i];
+        const plan_effect now = after.effects[i];
+        e->called_for = now.called_for;
+        e->forced = now.forced;
+        memcpy(e->evidence, now.evidence, sizeof e->evidence);
+        memcpy(e->reason, now.reason, sizeof e->reason);
+    }
     *later = before;
     later->techniques = after.techniques;
     later->effects = after.effects;

@@ -138,7 +138,6 @@ typedef struct plan {
     uint32_t turned_knob;
     double turned_least, turned_most;
     double turned_each;       /* what a step of the knob costs; 0: unknown */
-    uint32_t exact;           /* 1: what folds keeps every fragment, in order */
     double cost;              /* of all that runs, PLAN_NO_COST when unknown */
     double ms;                /* that it is expected to take; PLAN_NO_COST when unknown */
     char measured_on[256];    /* device that `points` are of, "" when nothing was measured */
@@ -169,8 +168,9 @@ costs_form plan_form(const plan *p);
 /* The knob that is turned, and turning it: `nearest` and what is expected follow. */
 double plan_turned(const plan *p); /* 0 when there is none */
 void plan_turn(plan *p, double value);
-/* Takes all of a later plan that runs the same techniques with the same settings, but for those and
- * the effects, which others hold pointers to; the later one gets what is replaced. */
+/* Takes all of a later plan that runs the same techniques with the same settings for the same
+ * effects. Those stay where they are, for others hold pointers to them; the later plan gets what is
+ * replaced. */
 void plan_expect(plan *p, plan *later);
 
 /* Cost as a multiple of the floor, blending each transparent fragment once; PLAN_NO_COST when

@@ -146,6 +146,9 @@ void plan_reason(plan_candidate *c, const char *format, ...) __attribute__((form
 
 /* ---- choose.c */
 strata_result plan_choose(plan_work *w);
+/* Of what turns the sub-pixels that this one folds into pixels; 0 where it does so itself, or there
+ * are none. */
+double plan_filter_cost(const plan_work *w, const plan_candidate *fold);
 
 /* ---- fold.c */
 strata_result plan_choose_fold(plan_work *w);

@@ -76,7 +76,7 @@ static plan_variant *add(collector *c) {
 static void set(plan_variant *v, const strata_knob *knob, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 static void set(plan_variant *v, const strata_knob *knob, const char *format, ...) {
-    char value[40];
+    char value[64];
     const int at = v->settings[0][0] ? 1 : 0;
     va_list arguments;
     va_start(arguments, format);

@@ -9,7 +9,10 @@
 
 #include "modules/modules.h"
 
-enum { PLAN_VARIANT_KNOBS = 2 }; /* turned at most at once */
+enum {
+    PLAN_VARIANT_KNOBS = 2,    /* turned at most at once */
+    PLAN_VARIANT_SETTING = 192 /* bytes of "ID.KNOB=VALUE": none of the three is longer than 63 */
+};
 
 enum {
     /* Each knob alone, at the edges of its range; `k` around the depth, where exactness begins. */
@@ -24,7 +27,7 @@ enum {
 /* A technique with some of its knobs away from their presets. */
 typedef struct plan_variant {
     const modules_technique_note *technique;
-    char settings[PLAN_VARIANT_KNOBS][96]; /* "ID.KNOB=VALUE", "" after the last */
+    char settings[PLAN_VARIANT_KNOBS][PLAN_VARIANT_SETTING]; /* "" after the last */
     uint32_t payload;                      /* of its records, STRATA_PAYLOAD_* */
     double keeps;                          /* nearest fragments a pixel; 0: all */
     uint32_t order;                        /* STRATA_ORDER_*, as the knobs stand */

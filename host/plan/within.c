@@ -75,7 +75,8 @@ static double most(const plan_work *w, const plan_candidate *holder) {
 static double cost_at(const plan_work *w, const plan_way *way, double keeps) {
     const double fold = plan_cost(w, way->fold, way->form, keeps),
                  capture = way->capture ? plan_cost(w, way->capture, way->form, keeps) : 0.0;
-    return fold == PLAN_NO_COST || capture == PLAN_NO_COST ? HUGE_VAL : fold + capture;
+    return (fold == PLAN_NO_COST || capture == PLAN_NO_COST ? HUGE_VAL : fold + capture) +
+           plan_filter_cost(w, way->fold);
 }
 
 /* Where fragments hide nothing, they are taken to hide this much: each still adds to the sum. */

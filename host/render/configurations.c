@@ -40,21 +40,22 @@ static void use_of(const combination *c, char use[256]) {
 
 /* "ID.mode=PRESET" of a capture that does not set it: the plan would take the layout that it knows
  * to cost less, and what the other one costs would never be known. "" where there is none. */
-static void lay_out(const combination *c, char setting[96]) {
+static void lay_out(const combination *c, char setting[PLAN_VARIANT_SETTING]) {
     const modules_technique_note *fold = c->resolve ? c->fold->technique : NULL;
     setting[0] = '\0';
     for (uint32_t i = 0; fold && i < fold->knob_count; ++i) {
         const strata_knob *knob = fold->knobs[i];
         if (strcmp(knob->name, "mode") != 0 || knob->type != STRATA_KNOB_CHOICE)
             continue;
-        snprintf(setting, 96, "%s.mode=", fold->id);
+        snprintf(setting, PLAN_VARIANT_SETTING, "%s.mode=", fold->id);
         for (int k = 0; k < PLAN_VARIANT_KNOBS; ++k)
             if (strncmp(c->fold->settings[k], setting, strlen(setting)) == 0) {
                 setting[0] = '\0';
                 return;
             }
         const size_t length = strlen(setting);
-        snprintf(setting + length, 96 - length, "%s", knob->choices[(uint32_t)knob->preset]);
+        snprintf(setting + length, PLAN_VARIANT_SETTING - length, "%s",
+                 knob->choices[(uint32_t)knob->preset]);
     }
 }
 
@@ -91,7 +92,7 @@ static void add_promises(json_t *object, const combination *c) {
     json_object_set_new(object, "ends_early", json_boolean(early));
     json_object_set_new(
         object, "bits",
-        json_boolean((!fold || fold->orderly) && (!c->resolve || c->resolve->orderly)));
+        json_boolean(fold && fold->orderly && (!c->resolve || c->resolve->orderly)));
 }
 
 static void tell(search *q, const char *use, const char *const *settings, uint32_t count,
@@ -108,7 +109,7 @@ static void tell(search *q, const char *use, const char *const *settings, uint32
 }
 
 static strata_result try_one(search *q, combination c, base_error *err) {
-    char use[256], layout[96];
+    char use[256], layout[PLAN_VARIANT_SETTING];
     const char *settings[8];
     plan *p = NULL;
     base_error why = {0};
@@ -143,10 +144,19 @@ static strata_result try_with_clips(search *q, combination c, base_error *err) {
     return r;
 }
 
+/* Knobs of what draws, where it may paint over the picture, are there to look at something else. */
+static int shows(const plan_variant *v) {
+    for (uint32_t i = 0; v->settings[0][0] && i < v->technique->slot_count; ++i)
+        if (strcmp(v->technique->slots[i]->slot, "color/1") == 0)
+            return 1;
+    return 0;
+}
+
 static strata_result try_all(search *q, base_error *err) {
     strata_result r = STRATA_OK;
     for (uint32_t i = 0; i < q->draws.count && r == STRATA_OK; ++i)
-        r = try_one(q, (combination){.draws = &q->draws.at[i]}, err);
+        if (!shows(&q->draws.at[i]))
+            r = try_one(q, (combination){.draws = &q->draws.at[i]}, err);
     for (uint32_t i = 0; i < q->captures.count; ++i)
         for (uint32_t k = 0; k < q->resolves.count && r == STRATA_OK; ++k) {
             const combination c = {.fold = &q->captures.at[i], .resolve = &q->resolves.at[k]};

@@ -77,6 +77,23 @@ static double kept_by(const plan *p) {
     return 0;
 }
 
+static int uses(const modules_technique_note *t, uint32_t use, const char *slot) {
+    for (uint32_t i = 0; i < t->slot_count; ++i)
+        if (t->slots[i]->use == use && strcmp(t->slots[i]->slot, slot) == 0)
+            return 1;
+    return 0;
+}
+
+/* Whether some of what it draws was culled before: then it costs less than what its terms say. */
+static int is_culled(const plan *p, const modules_technique_note *t) {
+    static const char *const draws[] = {"draws.opaque/1", "draws.transparent/1"};
+    for (size_t d = 0; d < BASE_COUNT(draws); ++d)
+        for (uint32_t i = 0; uses(t, STRATA_SLOT_CONSUMES, draws[d]) && i < p->technique_count; ++i)
+            if (uses(p->techniques[i].technique, STRATA_SLOT_UPDATES, draws[d]))
+                return 1;
+    return 0;
+}
+
 int render_learn_frame(const strata *s, costs *c, double pace) {
     const render_session *session = s->session;
     const render_result *result = &s->result;
@@ -93,7 +110,8 @@ int render_learn_frame(const strata *s, costs *c, double pace) {
         const double ms = time_of(result, t->technique->id);
         costs_terms(t->technique, &session->plan->stats, kept_by(session->plan), terms);
         costs_name(t->technique, form, name);
-        learnt |= is_typical(t) && costs_add(c, name, terms, ms / pace);
+        learnt |= is_typical(t) && !is_culled(session->plan, t->technique) &&
+                  costs_add(c, name, terms, ms / pace);
     }
     return learnt;
 }

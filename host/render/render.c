@@ -228,7 +228,7 @@ static strata_result render_frames(strata *s, const strata_render_options *optio
         if (r != STRATA_OK)
             return r;
         result->frames[result->frame_count++] = figures_of(s, &before, base_now_ms() - begin);
-        if (options->learn)
+        if (options->learn && s->session->as_planned)
             result->learnt |= (uint32_t)render_learn_frame(s, &s->costs, options->pace);
         r = render_budget_learn(s, options, err);
         if (r != STRATA_OK)
@@ -266,6 +266,14 @@ static void begin_sequence(strata *s, const scene *sc, const scene_view *view) {
     memcpy(s->start.bounds.upper, sc->upper, sizeof s->start.bounds.upper);
 }
 
+/* Whether what its plan expects is of this view and scene. */
+static void compare_view(strata *s, const scene *sc) {
+    render_session *session = s->session;
+    session->as_planned = session->planned_revision == sc->revision &&
+                          memcmp(session->planned_view.world_to_clip, s->result.view.world_to_clip,
+                                 sizeof s->result.view.world_to_clip) == 0;
+}
+
 /* The session that fits, and what of the frames it renders. */
 static strata_result plan_and_render(strata *s, scene *sc, const strata_render_options *options,
                                      const char **failed, base_error *err) {
@@ -279,11 +287,15 @@ static strata_result plan_and_render(strata *s, scene *sc, const strata_render_o
         r = render_plan(s, sc, options, &s->result.view, &p, err);
         if (r == STRATA_OK)
             r = render_session_open(s, sc, options, p, err);
-        if (r == STRATA_OK)
+        if (r == STRATA_OK) {
+            s->session->planned_view = s->result.view;
+            s->session->planned_revision = sc->revision;
             render_budget_planned(s);
+        }
     }
     if (r != STRATA_OK)
         return r;
+    compare_view(s, sc);
     s->session->careful = s->losses > 0;
     return render_frames(s, options, failed, err);
 }

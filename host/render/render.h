@@ -104,6 +104,9 @@ typedef struct render_session {
     double tolerance; /* the most that is accepted; 0: none was given */
     uint32_t careful; /* submit after each technique, to learn which one loses the device */
     plan *plan;
+    scene_view planned_view;   /* that it was made for */
+    uint64_t planned_revision; /* and of which scene */
+    uint32_t as_planned;       /* 1: these are what is rendered; else its statistics are of others */
     char *plan_text; /* its JSON, compared to see whether it changed */
     char *request;   /* what of the options it was made for */
     uint32_t raise;  /* and the instance's raise then */
@@ -135,7 +138,7 @@ typedef struct render_session {
 } render_session;
 
 typedef struct render_pass_time {
-    char label[64], owner[32];
+    char label[64], owner[64];
     double gpu_ms, cpu_ms;
 } render_pass_time;
 
@@ -214,7 +217,6 @@ typedef struct render_result {
 typedef struct render_budget_frame {
     double ms, level; /* level of what is turned, 0: nothing is */
     uint32_t judged;  /* 0: it says nothing, see budget.c */
-    uint32_t reserved;
 } render_budget_frame;
 
 /* Of a sequence: what was learnt, and what happens next. */

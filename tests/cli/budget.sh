@@ -48,6 +48,11 @@ run render $scene $size -o frame.exr --frames 12 --use kplus,ppc --budget 0.001 
 [ "$status" -eq 0 ] && [ "$(get frames.json plan/1/settings/k)" = 1 ] && cmp -s turned.exr frame.exr &&
     [ "$(get frames.json budget/frames/#)" = 12 ] && [ "$(get frames.json frames/11/prepared)" = 0 ]
 verdict 'the same over the frames of a sequence, which then prepare no more'
+run render $scene $size -o short.exr --frames 3 --budget 0.5 --use abuffer,ppc --account short.json
+met=$(get short.json budget/met)
+[ "$status" -eq 0 ] && { [ "$met" = true ] || [ "$(grep -cF 'the budget of 0.5 ms is missed' err)" = 1 ]; } &&
+    { [ "$met" = true ] || [ "$(get short.json warnings/0)" != '' ]; }
+verdict 'a sequence that ends over its budget says so'
 
 run render $scene $size -o set2.exr --repeat 6 --use kplus,ppc --set kplus.k=3 --budget 0.001 \
     --account set2.json
@@ -105,7 +110,7 @@ if [ "$(get before.json measured_on)" = null ] && [ -s "$learnt" ] && clean; the
         run render $scene $size -o x.png --repeat 3 --learn --use occupancy,kplus,ppc &&
         grep -q '"kplus.clipped"' "$learnt"
     verdict 'what a clip technique leaves is learnt apart, as it usually does'
-    echo '{"format":2,"device":7}' >"$learnt"
+    echo '{"format":3,"device":7}' >"$learnt"
     run plan $scene $size --json
     [ "$status" -eq 0 ] && is_line 'is ignored' && [ "$(get out measured_on)" = null ]
     verdict 'a damaged file is ignored, with a line'

@@ -117,6 +117,24 @@ run sweep "$scene" --size 8x8 --repeat 1 --only wboit --only kplsu -o typo
 [ "$status" -eq 0 ] && is_line "warning: --only 'kplsu': no way to render scene:layers?count=12 is named so"
 verdict 'a name that no configuration has is said'
 
+# What shows something else than the picture is no configuration; nor does a fold that the plan chose
+# promise bits.
+run sweep "$scene" --size 8x8 --repeat 1 --all --only cullcheck --only hiz -o diagnostic
+[ "$status" -eq 0 ] && ! grep -q 'cullcheck show' diagnostic/results.json &&
+    grep -q '"use": "cullcheck"' diagnostic/results.json
+verdict 'what is not a picture is not judged as one'
+
+# Without the technique that gives the exact image, another does, with what makes it exact.
+mkdir without
+for module in "$STRATA_MODULE_PATH"/*; do
+    case $module in */abuffer.so) ;; *) ln -s "$module" without/ ;; esac
+done
+status=0
+STRATA_MODULE_PATH=$folder/without "$strata" sweep "$scene" --size 8x8 --repeat 1 --only 'kplus k=0' -o other \
+    >out 2>err || status=$?
+[ "$status" -eq 0 ] && [ "$(get other/results.json cases/0/reference/settings)" = '["kplus.k=0"]' ]
+verdict 'the exact image is made with the settings that make it exact'
+
 # ---- killed and gone on with
 "$strata" "$@" -o two >out 2>err &
 worker=$!

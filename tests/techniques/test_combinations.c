@@ -35,7 +35,7 @@ typedef struct combination {
     const plan_variant *capture; /* or stream */
     const plan_variant *resolve;
     uint32_t samples;
-    char use[192], what[512];
+    char use[192], what[1024];
 } combination;
 
 typedef struct shown {

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -150,6 +151,89 @@ static void what_is_learnt_is_in_the_usual_pace(void **state) {
     if (!(usual > 0))
         skip(); /* a device that times no passes */
     assert_true(usual > 1e-4 && longest_learnt(1e9) < 1e-4 && longest_learnt(1) > 1e-4);
+}
+
+/* Frames that all points rest on. */
+static uint32_t learnt_frames(const strata *s) {
+    uint32_t frames = 0;
+    for (uint32_t i = 0; i < s->costs.count; ++i)
+        for (uint32_t k = 0; k < s->costs.techniques[i].count; ++k)
+            frames += s->costs.techniques[i].points[k].frames;
+    return frames;
+}
+
+/* What a plan expects is of the view that it was made for: others would be learnt as if they were
+ * that one. */
+static void other_views_teach_nothing(void **state) {
+    (void)state;
+    const strata_open_options options = {.struct_size = sizeof options, .cache_dir = ""};
+    strata_render_options o = small;
+    strata *s = NULL;
+    assert_int_equal(strata_open(&options, &s), STRATA_OK);
+    strata_scene *sc = layers(s);
+    o.repeat = 3;
+    o.learn = 1;
+    assert_int_equal(strata_render(s, sc, &o), STRATA_OK);
+    const uint32_t first = learnt_frames(s);
+    o.continues = 1;
+    assert_int_equal(strata_render(s, sc, &o), STRATA_OK);
+    const uint32_t second = learnt_frames(s);
+    o.camera = "orbit:50,30";
+    assert_int_equal(strata_render(s, sc, &o), STRATA_OK);
+    assert_int_equal(learnt_frames(s), second);
+    if (first == 0)
+        skip(); /* a device that times no passes */
+    assert_true(second > first);
+    o.continues = 0;
+    assert_int_equal(strata_render(s, sc, &o), STRATA_OK);
+    assert_true(learnt_frames(s) > second);
+    strata_close(s);
+}
+
+/* Behind hiz surfaces cost less than their terms say. */
+static void what_is_culled_teaches_nothing(void **state) {
+    (void)state;
+    static const char *const uses[] = {"surface,abuffer,ppc", "hiz,surface,abuffer,ppc"};
+    for (size_t i = 0; i < BASE_COUNT(uses); ++i) {
+        const strata_open_options options = {.struct_size = sizeof options, .cache_dir = ""};
+        strata_render_options o = small;
+        strata *s = NULL;
+        strata_scene *sc = NULL;
+        assert_int_equal(strata_open(&options, &s), STRATA_OK);
+        assert_int_equal(strata_scene_load(s, "scene:city?count=200", &sc), STRATA_OK);
+        o.use = uses[i];
+        o.repeat = 3;
+        o.learn = 1;
+        assert_int_equal(strata_render(s, sc, &o), STRATA_OK);
+        uint32_t drew = 0, folded = 0;
+        for (uint32_t k = 0; k < s->costs.count; ++k) {
+            drew += strcmp(s->costs.techniques[k].name, "surface") == 0 ||
+                    strcmp(s->costs.techniques[k].name, "abuffer") == 0;
+            folded += strcmp(s->costs.techniques[k].name, "ppc") == 0;
+        }
+        strata_close(s);
+        if (folded == 0)
+            skip();
+        assert_int_equal(drew, i == 0 ? 2 : 0);
+    }
+}
+
+/* A session that goes on tells of the scene as it is now. */
+static void evidence_is_of_the_scene_as_it_is(void **state) {
+    char before[192] = "";
+    (void)state;
+    strata *s = open_null();
+    strata_scene *sc = NULL;
+    assert_int_equal(strata_scene_load(s, "scene:stack", &sc), STRATA_OK); /* of three */
+    for (uint32_t hidden = 0; hidden < 2; ++hidden) {
+        assert_int_equal(strata_scene_set_visible(sc, 0, !hidden), STRATA_OK);
+        assert_int_equal(strata_render(s, sc, &small), STRATA_OK);
+        const plan_effect *over = &s->session->plan->effects[0];
+        assert_string_equal(over->effect->id, "over");
+        assert_int_equal(hidden && strcmp(before, over->evidence) == 0, 0);
+        snprintf(before, sizeof before, "%s", over->evidence);
+    }
+    strata_close(s);
 }
 
 /* However often the device is lost, from one render to the next it is replaced. */
@@ -360,6 +444,9 @@ int main(void) {
         cmocka_unit_test(unknown_options_are_refused),
         cmocka_unit_test(senseless_options_are_refused),
         cmocka_unit_test(what_is_learnt_is_in_the_usual_pace),
+        cmocka_unit_test(other_views_teach_nothing),
+        cmocka_unit_test(what_is_culled_teaches_nothing),
+        cmocka_unit_test(evidence_is_of_the_scene_as_it_is),
         cmocka_unit_test(every_render_may_lose_the_device),
         cmocka_unit_test(pools_of_opaque_techniques_grow),
         cmocka_unit_test(structs_of_techniques_are_checked),

@@ -274,6 +274,10 @@ static const modules_technique_note techniques[] = {
      .stage = "filter",
      SLOTS(SLOT(CONSUMES, "color/1", 0, 0), SLOT(PRODUCES, "image/1", 0, 0)),
      COST(0)},
+    {.id = "blur",
+     .stage = "filter",
+     SLOTS(SLOT(CONSUMES, "color/1", 0, 0), SLOT(PRODUCES, "image/1", 0, 0)),
+     .cost = &(const strata_cost_model){.struct_size = sizeof(strata_cost_model), .frame = 9000}},
     {.id = "fuser", /* folds and filters at once */
      .stage = "stream",
      SLOTS(TRANSPARENT, SLOT(UPDATES, "color/1", 0, 0), SLOT(PRODUCES, "image/1", 0, 0)),

@@ -386,6 +386,18 @@ static void a_plan_is_given_up_for_lasting_lateness(void **state) {
     }
 }
 
+/* Of frames of 10 ms after one of 200 the slow one counts for as long as it is among four. */
+static void what_is_met_is_the_mean_of_four(void **state) {
+    (void)state;
+    const double ms[] = {10, 200, 10, 10, 10, 10}, mean[] = {10, 105, 220.0 / 3, 57.5, 57.5, 10};
+    budget_watch w = {.asked = 20};
+    budget_planned(&w, NULL);
+    for (size_t i = 0; i < sizeof ms / sizeof *ms; i++) {
+        budget_take(&w, ms[i]);
+        assert_true(fabs(w.ms - mean[i]) < 1e-9);
+    }
+}
+
 static budget_watch turning(double level, double most) {
     const budget_rule rule = budget_begin(100, 1, most, level, 0);
     budget_watch w = {.asked = 100};
@@ -547,6 +559,7 @@ int main(void) {
         cmocka_unit_test(far_too_much_is_not_tried),
         cmocka_unit_test(tries_are_no_leaps),
         cmocka_unit_test(a_plan_is_given_up_for_lasting_lateness),
+        cmocka_unit_test(what_is_met_is_the_mean_of_four),
         cmocka_unit_test(a_knob_that_must_give_much_wants_a_plan),
         cmocka_unit_test(room_for_much_more_wants_a_plan),
         cmocka_unit_test(what_was_late_is_weighed_again),

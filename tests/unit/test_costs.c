@@ -309,6 +309,32 @@ static void what_was_never_measured_is_doubted(void **state) {
     }
 }
 
+/* Of 9,000: abuffer + ppc were measured to cost 20,000, kplus + ppc 2,000 and 1,000 for each of 10
+ * that are kept; thin keeps all, too, and would cost 6,000 by its module. */
+static void so_it_is_within_a_budget(void **state) {
+    (void)state;
+    demand d;
+    costs c = {0};
+    base_error err;
+    plan *p = NULL;
+    const double one[COSTS_TERMS] = {[COSTS_FRAGMENT] = 1},
+                 kept[COSTS_TERMS] = {[COSTS_FRAGMENT] = 1, [COSTS_KEPT] = 10},
+                 many[COSTS_TERMS] = {[COSTS_FRAGMENT] = 19};
+    const request r = {
+        FOR("abuffer kplus ppc thin unit over", "b"), .costs = &c, .budget = 9000 * 20e-6};
+    kit_make(&k, "abuffer kplus ppc thin unit over");
+    measure(&c, "unit", one, 20, 0);
+    measure(&c, "ppc", one, 20, 0);
+    measure(&c, "kplus", kept, 20, 0);
+    measure(&c, "abuffer", many, 20, 0);
+    fit(&c);
+    assert_int_equal(ask(&r, &k, &d, &p, &err), STRATA_OK);
+    assert_true(plan_turned(p) == 7);
+    assert_string_equal(order_of(p), "kplus ppc");
+    plan_free(p);
+    costs_free(&c);
+}
+
 /* abuffer + fpc cost 7,000, as lists 5,000; which counts only where both know it. */
 static void layouts_are_measured_apart(void **state) {
     (void)state;
@@ -370,30 +396,30 @@ static void files_are_kept_and_doubted(void **state) {
         const char *text;
         uint32_t techniques;
     } rows[] = {
-        {FILE_OF("2", "gpu", ROW("ppc", POINT("0", "2.5", "3"))), 1},
-        {FILE_OF("2", "gpu", ROW("not_installed", POINT("0", "2.5", "3"))), 1},
-        {FILE_OF("2", "gpu", ROW("ppc", "")), 1},
-        {FILE_OF("2", "gpu", ""), 0},
-        {FILE_OF("1", "gpu", ROW("ppc", POINT("0", "2.5", "3"))), 0},
-        {FILE_OF("\"2\"", "gpu", ROW("ppc", POINT("0", "2.5", "3"))), 0},
-        {FILE_OF("2", "other", ROW("ppc", POINT("0", "2.5", "3"))), 0},
-        {FILE_OF("2", "gpu", ROW("ppc", POINT("NaN", "2.5", "3"))), 0},
-        {FILE_OF("2", "gpu", ROW("ppc", POINT("null", "2.5", "3"))), 0},
-        {FILE_OF("2", "gpu", ROW("ppc", POINT("-1", "2.5", "3"))), 0},
-        {FILE_OF("2", "gpu", ROW("ppc", POINT("1e16", "2.5", "3"))), 0},
-        {FILE_OF("2", "gpu", ROW("ppc", POINT("1e999", "2.5", "3"))), 0},
-        {FILE_OF("2", "gpu", ROW("ppc", POINT("0", "0", "3"))), 0},
-        {FILE_OF("2", "gpu", ROW("ppc", POINT("0", "1e8", "3"))), 0},
-        {FILE_OF("2", "gpu", ROW("ppc", POINT("0", "2.5", "0"))), 0},
-        {FILE_OF("2", "gpu", ROW("ppc", POINT("0", "2.5", "1e9"))), 0},
-        {FILE_OF("2", "gpu", ROW("ppc", POINT("0,0", "2.5", "3"))), 0},
-        {FILE_OF("2", "gpu", ROW("../x", POINT("0", "2.5", "3"))), 0},
-        {FILE_OF("2", "gpu", ROW("", POINT("0", "2.5", "3"))), 0},
-        {FILE_OF("2", "gpu", ROW("ppc", "") "," ROW("ppc", "")), 0},
-        {FILE_OF("2", "gpu", "7"), 0},
+        {FILE_OF("3", "gpu", ROW("ppc", POINT("0", "2.5", "3"))), 1},
+        {FILE_OF("3", "gpu", ROW("not_installed", POINT("0", "2.5", "3"))), 1},
+        {FILE_OF("3", "gpu", ROW("ppc", "")), 1},
+        {FILE_OF("3", "gpu", ""), 0},
+        {FILE_OF("2", "gpu", ROW("ppc", POINT("0", "2.5", "3"))), 0},
+        {FILE_OF("\"3\"", "gpu", ROW("ppc", POINT("0", "2.5", "3"))), 0},
+        {FILE_OF("3", "other", ROW("ppc", POINT("0", "2.5", "3"))), 0},
+        {FILE_OF("3", "gpu", ROW("ppc", POINT("NaN", "2.5", "3"))), 0},
+        {FILE_OF("3", "gpu", ROW("ppc", POINT("null", "2.5", "3"))), 0},
+        {FILE_OF("3", "gpu", ROW("ppc", POINT("-1", "2.5", "3"))), 0},
+        {FILE_OF("3", "gpu", ROW("ppc", POINT("1e16", "2.5", "3"))), 0},
+        {FILE_OF("3", "gpu", ROW("ppc", POINT("1e999", "2.5", "3"))), 0},
+        {FILE_OF("3", "gpu", ROW("ppc", POINT("0", "0", "3"))), 0},
+        {FILE_OF("3", "gpu", ROW("ppc", POINT("0", "1e8", "3"))), 0},
+        {FILE_OF("3", "gpu", ROW("ppc", POINT("0", "2.5", "0"))), 0},
+        {FILE_OF("3", "gpu", ROW("ppc", POINT("0", "2.5", "1e9"))), 0},
+        {FILE_OF("3", "gpu", ROW("ppc", POINT("0,0", "2.5", "3"))), 0},
+        {FILE_OF("3", "gpu", ROW("../x", POINT("0", "2.5", "3"))), 0},
+        {FILE_OF("3", "gpu", ROW("", POINT("0", "2.5", "3"))), 0},
+        {FILE_OF("3", "gpu", ROW("ppc", "") "," ROW("ppc", "")), 0},
+        {FILE_OF("3", "gpu", "7"), 0},
         {"[]", 0},
         {"", 0},
-        {"{\"format\":2", 0},
+        {"{\"format\":3", 0},
     };
     char folder[] = "/tmp/strata-costs-XXXXXX", path[128], sub[64];
     base_error err = {0};
@@ -438,6 +464,7 @@ int main(void) {
         cmocka_unit_test(forms_have_names),
         cmocka_unit_test(the_plan_goes_by_what_was_measured),
         cmocka_unit_test(what_was_never_measured_is_doubted),
+        cmocka_unit_test(so_it_is_within_a_budget),
         cmocka_unit_test(layouts_are_measured_apart),
         cmocka_unit_test(files_are_kept_and_doubted),
     };

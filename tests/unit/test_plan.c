@@ -118,6 +118,10 @@ static void techniques_run_in_order(void **state) {
         {{FOR("surface fuser filter over", "ob"), .samples = 4}, "surface fuser"},
         {{FOR("surface fuser over", "ob"), .samples = 4}, "surface fuser"},
         {{FOR("surface fuser filter over", "o"), .samples = 4}, "surface filter"},
+        /* peel costs less than fuser, but not with a filter that costs 9 */
+        {{FOR("fuser peel filter over", "b"), .samples = 4}, "peel filter"},
+        {{FOR("fuser peel blur over", "b"), .samples = 4}, "fuser"},
+        {{FOR("fuser peel blur over", "b"), .samples = 4, .use = "blur"}, "peel blur"},
         {{FOR("surface fuser filter over", "ob"), .samples = 4, .use = "filter"},
          "surface fuser filter"},
         {{FOR("surface fuser peel filter over", "ob"), .samples = 4}, "surface peel filter"},
