@@ -4,7 +4,7 @@
  * that agree on a layout of fragments/1. The cheapest that is exact, unless the user named one or
  * accepts an error.
  */
-#include "plan/plan_internal.h"
+#include "plan/fold.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -20,33 +20,7 @@
 
 typedef plan_way way;
 
-typedef struct search {
-    plan_work *w;
-    plan_candidate *named[PLAN_ROLES]; /* of the three roles, NULL = left open */
-    way best, measured;                /* of all, and of those that were measured on the device */
-    int doubted;                       /* 1: what would cost less was not */
-    uint32_t ways;                     /* that were open to the choice */
-    int within;                        /* 1: of a budget */
-    double room;
-    way fitting, cheapest; /* the best that fits; what comes closest */
-    int alike;             /* 1: that keeps all, and hardly takes longer than the fastest */
-} search;
-
 static const char *const layouts[] = {"contiguous", "linked"};
-
-static int folds(const plan_candidate *c) {
-    return c->role == PLAN_CAPTURE || c->role == PLAN_RESOLVE || c->role == PLAN_STREAM;
-}
-
-static void cost_text(const plan_work *w, double cost, char text[48]) {
-    double floor = w->in->stats->transparent_fragments;
-    if (!(cost >= 0.0) || cost == HUGE_VAL)
-        snprintf(text, 48, "an unknown cost");
-    else if (floor > 0.0)
-        snprintf(text, 48, "%.3g", cost / floor);
-    else
-        snprintf(text, 48, "%.4g blended fragments", cost);
-}
 
 /* ---- what is promised with these settings ---------------------------------------------------- */
 
@@ -68,14 +42,22 @@ uint32_t plan_promised_order(const plan_candidate *c) {
                                                                           : order;
 }
 
-static int is_exact(const plan_candidate *c) {
+int plan_folds(const plan_candidate *c) {
+    return c->role == PLAN_CAPTURE || c->role == PLAN_RESOLVE || c->role == PLAN_STREAM;
+}
+
+int plan_is_exact(const plan_candidate *c) {
     return c->note->promises && plan_promised_order(c) == STRATA_ORDER_EXACT;
+}
+
+int plan_way_is_exact(const way *w) {
+    return plan_is_exact(w->fold) && (!w->capture || plan_is_exact(w->capture));
 }
 
 /* All are the nearest where it keeps 0 of them. */
 static int keeps_all(const plan_candidate *c) {
-    return is_exact(c) || (c->note->promises->order == STRATA_ORDER_NEAREST &&
-                           costs_count_knob(c->note) >= 0 && plan_kept(c) == 0.0);
+    return plan_is_exact(c) || (c->note->promises->order == STRATA_ORDER_NEAREST &&
+                                costs_count_knob(c->note) >= 0 && plan_kept(c) == 0.0);
 }
 
 /* Whether it would have to hold more than it can; what keeps the nearest only never has to. */
@@ -148,11 +130,11 @@ static int check_accuracy(const plan_work *w, plan_candidate *c) {
     return 0;
 }
 
-static strata_result find_named(search *s) {
+static strata_result find_named(plan_search *s) {
     plan_work *w = s->w;
     for (uint32_t i = 0; i < w->count; i++) {
         plan_candidate *c = &w->candidates[i];
-        if (!folds(c) || !c->named)
+        if (!plan_folds(c) || !c->named)
             continue;
         if (s->named[c->role])
             return base_fail(w->err, STRATA_ERROR_INVALID_ARGUMENT,
@@ -248,7 +230,7 @@ static void pay_parts(const plan_work *w, const way *b) {
 }
 
 /* Whether it leaves out nothing that is named. */
-static int is_open(const search *s, const way *candidate) {
+static int is_open(const plan_search *s, const way *candidate) {
     return (!s->named[PLAN_CAPTURE] || s->named[PLAN_CAPTURE] == candidate->capture) &&
            (!s->named[PLAN_RESOLVE] || s->named[PLAN_RESOLVE] == candidate->fold) &&
            (!s->named[PLAN_STREAM] || s->named[PLAN_STREAM] == candidate->fold);
@@ -258,17 +240,18 @@ static double weighed(const way *candidate) {
     return candidate->cost * (is_bounded(candidate->fold) ? BITS_WORTH : 1.0);
 }
 
-static int is_known(const search *s, const way *candidate) {
+static int is_known(const plan_search *s, const way *candidate) {
     const costs *c = s->w->in->costs;
     return costs_knows(c, candidate->fold->note, candidate->form) &&
            (!candidate->capture || costs_knows(c, candidate->capture->note, candidate->form));
 }
 
-static void consider(search *s, way candidate) {
+static void consider(plan_search *s, way candidate) {
     candidate.cost = cost_of(s->w, &candidate);
     note_way(candidate.capture, candidate.cost);
     note_way(candidate.fold, candidate.cost);
     s->ways++;
+    s->least = s->best.fold ? fmin(s->least, candidate.cost) : candidate.cost;
     if (!s->best.fold || weighed(&candidate) < weighed(&s->best))
         s->best = candidate;
     if (is_known(s, &candidate) &&
@@ -276,7 +259,7 @@ static void consider(search *s, way candidate) {
         s->measured = candidate;
 }
 
-static void doubt(search *s) {
+static void doubt(plan_search *s) {
     if (!s->measured.fold || is_known(s, &s->best) ||
         !(s->measured.cost < UNMEASURED * s->best.cost))
         return;
@@ -293,7 +276,7 @@ static int may_lay_out(const way *agreed, uint32_t layout) {
 }
 
 /* Where payloads may be traded for time; under a tolerance more precise ones may cost no more. */
-static int may_store(const search *s, const way *agreed, uint32_t payload) {
+static int may_store(const plan_search *s, const way *agreed, uint32_t payload) {
     const plan_candidate *holder = plan_holder(agreed);
     if (payload == agreed->form.payload)
         return 1;
@@ -304,7 +287,7 @@ static int may_store(const search *s, const way *agreed, uint32_t payload) {
 }
 
 /* The way in the form that is agreed upon; in other forms only where both were measured in both. */
-static void take_forms(search *s, way agreed, void (*take)(search *, way)) {
+static void take_forms(plan_search *s, way agreed, void (*take)(plan_search *, way)) {
     agreed.form.payload = plan_stored(plan_holder(&agreed));
     if (!is_open(s, &agreed))
         return;
@@ -321,8 +304,8 @@ static void take_forms(search *s, way agreed, void (*take)(search *, way)) {
 }
 
 /* All ways whose holder may take part. */
-static void take_ways(search *s, int (*may)(const plan_work *, plan_candidate *),
-                      void (*take)(search *, way)) {
+static void take_ways(plan_search *s, int (*may)(const plan_work *, plan_candidate *),
+                      void (*take)(plan_search *, way)) {
     plan_work *w = s->w;
     for (uint32_t i = 0; i < w->count; i++) {
         plan_candidate *first = &w->candidates[i];
@@ -350,12 +333,12 @@ static int may_give(const plan_work *w, plan_candidate *c) {
         !(c->named || plan_certifies(c)))
         return 0;
     return plan_free_count(c) ||
-           (plan_free_payload(c) && (c->named || (is_exact(c) && !is_too_deep(w, c))));
+           (plan_free_payload(c) && (c->named || (plan_is_exact(c) && !is_too_deep(w, c))));
 }
 
 /* The less the expected error the better, then the cheaper; where nothing fits, the cheapest. What
  * keeps all and was late is not expected to fit again, and what never was measured may be off. */
-static void consider_within(search *s, way candidate) {
+static void consider_within(plan_search *s, way candidate) {
     const int doubtful =
         s->measured.fold && !is_known(s, &candidate) && !plan_free_count(plan_holder(&candidate));
     const int fits = plan_fit_way(s->w, &candidate, s->room / (doubtful ? UNMEASURED : 1.0));
@@ -369,7 +352,7 @@ static void consider_within(search *s, way candidate) {
 }
 
 /* What promises no bound may be the last resort. */
-static void consider_approximate(search *s, plan_candidate *c) {
+static void consider_approximate(plan_search *s, plan_candidate *c) {
     const double alone = c->cost == PLAN_NO_COST ? HUGE_VAL : c->cost;
     const way candidate = {.fold = c, .cost = alone + plan_filter_cost(s->w, c)};
     if (c->role == PLAN_STREAM && !c->blocked && c->note->promises &&
@@ -380,13 +363,13 @@ static void consider_approximate(search *s, plan_candidate *c) {
 }
 
 /* What keeps all is not given up for what is hardly faster, where nothing is expected to fit. */
-static void consider_all(search *s, way candidate) {
+static void consider_all(plan_search *s, way candidate) {
     if (!plan_free_count(plan_holder(&candidate)))
         consider_within(s, candidate);
 }
 
 /* exact: the way that would be taken without a budget, or NULL. */
-static void consider_alike(search *s, const way *exact) {
+static void consider_alike(plan_search *s, const way *exact) {
     const double room = s->room;
     if (s->fitting.fold || !(s->cheapest.keeps > 0.0))
         return;
@@ -402,10 +385,9 @@ static void consider_alike(search *s, const way *exact) {
 }
 
 /* Takes the place of what was chosen, where that is not exact or not fast enough. */
-static strata_result choose_within(search *s) {
+static strata_result choose_within(plan_search *s) {
     plan_work *w = s->w;
-    const int exact =
-        s->best.fold && is_exact(s->best.fold) && (!s->best.capture || is_exact(s->best.capture));
+    const int exact = s->best.fold && plan_way_is_exact(&s->best);
     const way exact_way = s->best;
     const int late = (int)(w->in->late >> exact_way.form.payload & 1u);
     s->room = plan_room(w);
@@ -433,85 +415,6 @@ static strata_result choose_within(search *s) {
                      plan_holder(&s->best)->note->id, w->in->budget);
 }
 
-static strata_result fail_none(const search *s) {
-    base_text text = {0};
-    const plan_work *w = s->w;
-    for (uint32_t i = 0; i < w->count; i++) {
-        const plan_candidate *c = &w->candidates[i];
-        if (folds(c))
-            base_text_add(&text, "%s%s: %s", text.length ? "; " : "", c->note->id,
-                          c->reason[0] ? c->reason : "nothing fits to it");
-    }
-    strata_result result = base_fail(
-        w->err, STRATA_ERROR_UNSUPPORTED,
-        "the scene has transparent surfaces and no installed technique may fold them (%s)",
-        text.data ? text.data : "none is installed");
-    base_text_free(&text);
-    return result;
-}
-
-/* ---- reasons --------------------------------------------------------------------------------- */
-
-static void describe_choice(const search *s) {
-    const way *b = &s->best;
-    plan_candidate *first = plan_holder(b);
-    char cost[48], count[32];
-    int exact = is_exact(b->fold) && (!b->capture || is_exact(b->capture));
-    cost_text(s->w, b->cost, cost);
-    demand_number((uint64_t)s->w->in->stats->transparent_fragments, count);
-    for (plan_candidate *c = first; c; c = c == b->fold ? NULL : b->fold) {
-        const char *partner =
-            c == b->fold ? (b->capture ? b->capture->note->id : NULL) : b->fold->note->id;
-        if (c->named)
-            plan_reason(c, "named in --use");
-        else if (s->ways == 1)
-            plan_reason(c, "the only %sway to fold transparent fragments%s%s",
-                        exact ? "exact " : "", partner ? ", with " : "", partner ? partner : "");
-        else if (b->keeps > 0.0 || s->fitting.fold || s->alike)
-            plan_reason(c, "folds about %s fragments%s%s: %s%s", count, partner ? ", with " : "",
-                        partner ? partner : "", cost,
-                        s->w->in->stats->transparent_fragments > 0.0 ? " x floor" : "");
-        else
-            plan_reason(c, "the cheapest %sway to fold about %s fragments%s%s: %s%s",
-                        exact ? "exact " : "", count, partner ? ", with " : "",
-                        partner ? partner : "", cost,
-                        s->w->in->stats->transparent_fragments > 0.0 ? " x floor" : "");
-    }
-}
-
-/* The named technique that takes the place of c, or NULL. */
-static const plan_candidate *named_instead(const search *s, const plan_candidate *c) {
-    if (s->named[c->role])
-        return s->named[c->role];
-    if (c->role != PLAN_STREAM)
-        return s->named[PLAN_STREAM];
-    return s->named[PLAN_CAPTURE] ? s->named[PLAN_CAPTURE] : s->named[PLAN_RESOLVE];
-}
-
-static void describe_others(const search *s) {
-    const way *b = &s->best;
-    char theirs[48], ours[48];
-    cost_text(s->w, b->cost, ours);
-    for (uint32_t i = 0; i < s->w->count; i++) {
-        plan_candidate *c = &s->w->candidates[i];
-        if (!folds(c) || c->reason[0])
-            continue;
-        const plan_candidate *named = named_instead(s, c);
-        cost_text(s->w, c->compared == PLAN_NO_COST ? HUGE_VAL : c->compared, theirs);
-        if (named)
-            plan_reason(c, "--use names %s", named->note->id);
-        else if (c->ways == 0)
-            plan_reason(c, "nothing that can run here shares its layout of fragments/1");
-        else
-            plan_reason(c, "costs %s against %s of %s%s%s%s", theirs, ours,
-                        b->capture ? b->capture->note->id : "", b->capture ? " + " : "",
-                        b->fold->note->id,
-                        c->compared == PLAN_NO_COST || !(c->compared < b->cost) ? ""
-                        : s->doubted ? ", which was measured here"
-                                     : ", which promises the same bits everywhere");
-    }
-}
-
 /* The nearest k that the holder of a pixel's fragments keeps: its knob `k`; 0 = all. */
 static uint32_t nearest_of(const plan_candidate *holder) {
     const strata_promises *p = holder->note->promises;
@@ -523,7 +426,7 @@ static uint32_t nearest_of(const plan_candidate *holder) {
 
 /* Notes the layout, the nearest k and the payload's precision, and sets the mode knob to what was
  * agreed. */
-static strata_result settle(search *s) {
+static strata_result settle(plan_search *s) {
     const way *b = &s->best;
     plan *p = s->w->out;
     p->transparent = 1;
@@ -545,25 +448,10 @@ static strata_result settle(search *s) {
     return STRATA_OK;
 }
 
-static strata_result leave_out_all(plan_work *w) {
-    strata_result result = STRATA_OK;
-    const char *why =
-        w->out->active_effects ? "nothing transparent is drawn" : "no effect is active";
-    for (uint32_t i = 0; i < w->count && result == STRATA_OK; i++) {
-        plan_candidate *c = &w->candidates[i];
-        if (!folds(c) || c->blocked)
-            continue;
-        plan_reason(c, "%s", why);
-        if (c->named)
-            result = plan_warn(w, "--use %s: it does not run, for %s", c->note->id, why);
-    }
-    return result;
-}
-
 strata_result plan_choose_fold(plan_work *w) {
-    search s = {.w = w};
+    plan_search s = {.w = w};
     if (w->in->stats->transparent_draws == 0 || w->out->active_effects == 0)
-        return leave_out_all(w);
+        return plan_leave_fold(w);
     strata_result result = find_named(&s);
     if (result != STRATA_OK)
         return result;
@@ -574,19 +462,19 @@ strata_result plan_choose_fold(plan_work *w) {
     if (result != STRATA_OK)
         return result;
     if (!s.best.fold)
-        return fail_none(&s);
+        return plan_fail_fold(&s);
     s.best.fold->reason[0] = '\0';
     if (s.best.capture)
         s.best.capture->reason[0] = '\0';
     plan_settle_budget(w, &s.best);
     pay_parts(w, &s.best);
-    describe_choice(&s);
+    plan_describe_fold(&s);
     if (plan_has_budget(w->in))
         plan_explain_budget(w, &s.best);
     s.best.fold->chosen = 1;
     if (s.best.capture)
         s.best.capture->chosen = 1;
-    describe_others(&s);
+    plan_describe_others(&s);
     result = settle(&s);
     for (plan_candidate *c = s.best.fold; c && result == STRATA_OK;
          c = c == s.best.capture ? NULL : s.best.capture) {

@@ -248,6 +248,8 @@ void plan_turn(plan *p, double value) {
         return;
     if (p->ms != PLAN_NO_COST)
         p->ms *= cost / p->cost;
+    if (t->cost != PLAN_NO_COST)
+        t->cost = fmax(t->cost + cost - p->cost, 0.0);
     p->cost = cost;
 }
 

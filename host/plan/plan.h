@@ -126,7 +126,7 @@ typedef struct plan {
     uint32_t captures;    /* 1: through fragments/1 */
     const modules_technique_note *image; /* fills image/1; NULL when a pixel has one sample */
     uint32_t layout;                     /* STRATA_FRAGMENTS_* */
-    uint32_t nearest; /* fragments a pixel that the capture or the stream keeps; 0 = all */
+    uint32_t nearest; /* k of what promises the nearest k of a pixel; 0 = all, or no such promise */
     uint32_t clipped; /* 1: a clip technique hides what lies behind them */
     uint32_t transmittance_channels; /* 1 or 3 */
     plan_payload payload;
@@ -165,7 +165,8 @@ const plan_technique *plan_find(const plan *p, const char *id);
 /* In which its techniques hold fragments. */
 costs_form plan_form(const plan *p);
 
-/* The knob that is turned, and turning it: `nearest` and what is expected follow. */
+/* The knob that is turned, and turning it: `nearest` and what is expected follow, the share of what
+ * resolves counted as the holder's. */
 double plan_turned(const plan *p); /* 0 when there is none */
 void plan_turn(plan *p, double value);
 /* Takes all of a later plan that runs the same techniques with the same settings for the same

@@ -5,7 +5,8 @@
  *     names.c     lists of ids, suggestions       settings.c  ID.KNOB=VALUE
  *     effects.c   which effects are active        order.c     slots -> order
  *     assess.c    what each technique could do    choose.c    which of them run
- *     fold.c      the one that folds           clip.c      what limits it
+ *     fold.c      the one that folds          explain.c   and why it does
+ *     clip.c      what limits it
  *     cull.c      what hides opaque objects
  *     within.c    what fits a budget
  *     payload.c   layout of a record              json.c      the plan as JSON

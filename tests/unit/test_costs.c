@@ -304,6 +304,8 @@ static void what_was_never_measured_is_doubted(void **state) {
         assert_string_equal(order_of(p), i == 0 ? "abuffer ppc" : "peel");
         if (i == 0)
             assert_non_null(strstr(reason_of(p, "peel"), "which was measured here"));
+        assert_int_equal(strstr(reason_of(p, "abuffer"), "way that was measured here to") != NULL,
+                         i == 0);
         plan_free(p);
         costs_free(&c);
     }

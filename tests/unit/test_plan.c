@@ -312,6 +312,10 @@ static void everything_has_its_reason(void **state) {
         {{FOR("abuffer ppc sums over", "b")},
          "sums",
          "costs 3.7 against 4 of abuffer + ppc, which promises the same bits everywhere"},
+        {{FOR("abuffer ppc sums over", "b")},
+         "ppc",
+         "the cheapest exact way that promises the same bits everywhere to fold about 1,000 "
+         "fragments, with abuffer: 4 x floor"},
         {{FOR(ALL, "ob")}, "wboit", "it is approximate, without a bound; --use may name it"},
         {{FOR(ALL, "ob")},
          "kplus",
