@@ -14,6 +14,7 @@
 void render_budget_end(strata *s) {
     free(s->budget.frames);
     costs_free(&s->budget.costs);
+    json_decref(s->budget.plans);
     s->budget = (render_budget){0};
 }
 
@@ -30,6 +31,35 @@ static double base_of(const render_budget *b, const plan *p) {
     return fmax((p->cost + (unit > 0 ? b->beside / unit : 0)) / p->turned_each - plan_turned(p), 0);
 }
 
+static void add_settings(base_text *name, const plan *p, const plan_technique *t) {
+    for (uint32_t k = 0; k < t->settings.count; ++k) {
+        const strata_knob *knob = t->technique->knobs[k];
+        const double value = t->values[k];
+        if (value == knob->preset || (t->technique == p->turned && k == p->turned_knob))
+            continue;
+        if (knob->type == STRATA_KNOB_CHOICE)
+            base_text_add(name, " %s=%s", knob->name, knob->choices[(uint32_t)value]);
+        else
+            base_text_add(name, " %s=%.9g", knob->name, value);
+    }
+}
+
+/* Of what folds: ids, and knobs that are not at their presets but for the one that is turned. */
+static void name_plan(render_budget *b, const plan *p) {
+    static const char *const stages[] = {"clip", "capture", "resolve", "stream"};
+    base_text name = {0};
+    for (uint32_t i = 0; i < p->technique_count; ++i)
+        for (size_t k = 0; k < BASE_COUNT(stages); ++k)
+            if (strcmp(p->techniques[i].technique->stage, stages[k]) == 0) {
+                base_text_add(&name, "%s%s", name.length ? " + " : "",
+                              p->techniques[i].technique->id);
+                add_settings(&name, p, &p->techniques[i]);
+            }
+    b->plans = b->plans ? b->plans : json_array();
+    json_array_append_new(b->plans, json_string(name.data ? name.data : ""));
+    base_text_free(&name);
+}
+
 void render_budget_planned(strata *s) {
     budget_watch *w = &s->budget.watch;
     const plan *p = s->session->plan;
@@ -37,6 +67,8 @@ void render_budget_planned(strata *s) {
                                           base_of(&s->budget, p));
     s->budget.replan = 0;
     budget_planned(w, p->turned ? &rule : NULL);
+    if (w->asked > 0)
+        name_plan(&s->budget, p);
 }
 
 static strata_result note(render_budget *b, render_budget_frame frame, base_error *err) {
@@ -99,7 +131,8 @@ strata_result render_budget_learn(strata *s, const strata_render_options *option
     render_budget *b = &s->budget;
     const render_budget_frame frame = {.ms = figures->ms,
                                        .level = plan_turned(s->session->plan),
-                                       .judged = (uint32_t)says_something(b, figures)};
+                                       .judged = (uint32_t)says_something(b, figures),
+                                       .plan = (uint32_t)json_array_size(b->plans) - 1};
     if (!(b->watch.asked > 0))
         return STRATA_OK;
     if (figures->report.known >> STRATA_REPORT_MAX_PER_PIXEL & 1u)
@@ -139,13 +172,14 @@ json_t *render_budget_json(const strata *s) {
     json_t *frames = json_array();
     for (uint32_t i = 0; i < b->count; ++i)
         json_array_append_new(
-            frames, json_pack("{s:f, s:o, s:b}", "ms", b->frames[i].ms, "value",
-                              b->frames[i].level > 0 ? json_real(b->frames[i].level) : json_null(),
-                              "judged", (int)b->frames[i].judged));
-    return json_pack("{s:f, s:o, s:o, s:o, s:o, s:f, s:o}", "asked_ms", w->asked, "ms",
+            frames,
+            json_pack("{s:f, s:i, s:o, s:b}", "ms", b->frames[i].ms, "plan", (int)b->frames[i].plan,
+                      "value", b->frames[i].level > 0 ? json_real(b->frames[i].level) : json_null(),
+                      "judged", (int)b->frames[i].judged));
+    return json_pack("{s:f, s:o, s:o, s:o, s:o, s:f, s:O, s:o}", "asked_ms", w->asked, "ms",
                      w->ms > 0 ? json_real(w->ms) : json_null(), "met",
                      w->ms > 0 ? json_boolean(w->ms <= BUDGET_MET * w->asked) : json_null(),
                      "technique", p->turned ? json_string(p->turned->id) : json_null(), "knob",
                      p->turned ? json_string(p->turned->knobs[p->turned_knob]->name) : json_null(),
-                     "depth", p->stats.largest_depth, "frames", frames);
+                     "depth", p->stats.largest_depth, "plans", b->plans, "frames", frames);
 }

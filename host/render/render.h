@@ -106,11 +106,11 @@ typedef struct render_session {
     plan *plan;
     scene_view planned_view;   /* that it was made for */
     uint64_t planned_revision; /* and of which scene */
-    uint32_t as_planned;       /* 1: these are what is rendered; else its statistics are of others */
-    char *plan_text; /* its JSON, compared to see whether it changed */
-    char *request;   /* what of the options it was made for */
-    uint32_t raise;  /* and the instance's raise then */
-    demand wants;    /* and what the scene called for */
+    uint32_t as_planned; /* 1: these are what is rendered; else its statistics are of others */
+    char *plan_text;     /* its JSON, compared to see whether it changed */
+    char *request;       /* what of the options it was made for */
+    uint32_t raise;      /* and the instance's raise then */
+    demand wants;        /* and what the scene called for */
     upload *upload;
     gpu_scope *scope;
     strata_image color, depth, limit, bound; /* bound: when it is asked for */
@@ -217,6 +217,7 @@ typedef struct render_result {
 typedef struct render_budget_frame {
     double ms, level; /* level of what is turned, 0: nothing is */
     uint32_t judged;  /* 0: it says nothing, see budget.c */
+    uint32_t plan;    /* index into the sequence's */
 } render_budget_frame;
 
 /* Of a sequence: what was learnt, and what happens next. */
@@ -230,6 +231,8 @@ typedef struct render_budget {
     int prepared, recorded_again; /* the last frame was */
     render_budget_frame *frames;  /* the last ones */
     uint32_t count;
+    json_t
+        *plans; /* what folds in each of its plans, "kplus payload=half + ppc"; NULL = none yet */
 } render_budget;
 
 struct strata {

@@ -9,7 +9,7 @@ it measures, interleaved, each in a process of its own with the camera turned by
 * --tolerance 1/255, beside the sweep's cheapest configurations whose certificate is below it;
 * --budget, for several shares of the fastest exact time, which is measured anew before each: whether it is
   met within 15 % after at most ten frames, by all of them and by those with the setting that most of the last
-  frames had, and what is certified with that, beside the best that the sweep knows for so much time. Those of
+  plan's last frames had, and what is certified with that, beside the best that the sweep knows for so much time. Those of
   its configurations that nothing else beats in both time and certificate are measured again for that, right
   after, interleaved with what the plan ended with: as much as that is slower or faster now than it was in the
   sequence (`pace`), so are they. Null where none of them is in time, itself without those 15 %: the budget may
@@ -148,13 +148,11 @@ def budget(strata, own, reference, share, points):
         return ms, strata.render(own + ["--budget", f"{ms:.4g}"], "--repeat", str(BUDGET_FRAMES))
 
     (asked, account), stolen = undisturbed(frames_within)
-    frames = [f["ms"] for f in account["frames"]]
-    values = [f["value"] for f in account["budget"]["frames"]]
-    value = statistics.mode(values[-LAST:])
-    prepared = [i for i, f in enumerate(account["frames"]) if f["prepared"]]
-    first = prepared[-1] + 2 if value is None else 0  # plans that turn nothing look alike
-    at_last = [i for i in range(len(frames) - LAST, len(frames)) if values[i] == value]
-    last = statistics.median([frames[i] for i in at_last if i >= first] or frames[-1:])
+    course = account["budget"]["frames"]
+    frames = [f["ms"] for f in course]
+    ended_with = [f for f in course[-LAST:] if f["plan"] == course[-1]["plan"]]
+    value = statistics.mode(f["value"] for f in ended_with)
+    last = statistics.median([f["ms"] for f in ended_with if f["value"] == value and f["judged"]] or frames[-1:])
     settled = max(statistics.median(frames[SETTLED:]), last)
     ended = own + settings_of(account, value)
     ms = race(strata, {"ended": ended} | {c["name"]: command_of(c) for c in points}, 2)
@@ -165,7 +163,7 @@ def budget(strata, own, reference, share, points):
     bound = largest_bound(strata.render(ended, "--bound", os.path.join(strata.folder, "b.exr"), turn=False))
     return {"share": share, "asked_ms": asked, "frames_ms": frames, "settled_ms": settled,
             "of_budget": settled / asked, "met": settled <= WITHIN * asked,
-            "values": values, "chosen": chosen(account), "value": value, "certified": bound,
+            "plans": account["budget"]["plans"], "course": [[f["plan"], f["value"]] for f in course], "chosen": chosen(account), "value": value, "certified": bound,
             "stolen": stolen, "pace": pace, "points_ms": ms,
             "sweep_knows": best and {"name": best["name"], "ms": ms[best["name"]],
                                      "certified": best["bound"]["max"]},

@@ -30,6 +30,13 @@ run render $scene $size -o missed.exr --repeat 8 --budget 0.001 --account missed
     [ "$(get missed.json budget/met)" = false ] && [ "$(get missed.json budget/frames/#)" = 8 ] &&
     [ "$(get missed.json frame_ms/#)" = 8 ]
 verdict 'one that is missed is a warning'
+last=$(get missed.json budget/frames/7/plan)
+[ "$(get missed.json budget/frames/0/plan)" = 0 ] && [ "$last" -gt 0 ] &&
+    [ "$(get missed.json 'budget/plans/#')" = $((last + 1)) ] &&
+    [ "$(get missed.json budget/plans/0)" != "$(get missed.json budget/plans/$last)" ] &&
+    name=$(get missed.json "budget/plans/$last") &&
+    for i in 0 1 2; do get missed.json plan/$i/technique; done | grep -qx "${name%% *}"
+verdict 'its plans are told'
 
 run render scene:soup $size -o deep.exr --use abuffer,ppc --account deep.json
 run render scene:soup $size -o deeper.exr --repeat 4 --budget 0.001 --account deeper.json
