@@ -6,7 +6,8 @@
  * Rules, for the whole of abi/strata:
  *  - Every struct begins with `uint32_t struct_size`, set by whoever fills it to sizeof(that struct).
  *    Structs grow only at their end. A reader uses the smaller of the sender's and its own size and
- *    takes what is missing as zero; zero is a sensible default everywhere.
+ *    takes what is missing as zero; zero is a sensible default everywhere. Members that a reader does
+ *    not know and that are not zero it refuses, INVALID_ARGUMENT: nothing is ignored in silence.
  *  - Arrays of structs are arrays of pointers; nothing that may grow is embedded by value.
  *  - Fixed-width integers, float, double and pointers only; padding is explicit and zero.
  *  - Text is UTF-8 and NUL-terminated. A `const char *` that is passed in is read during the call

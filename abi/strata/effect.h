@@ -39,7 +39,9 @@ typedef struct strata_field {
 } strata_field;
 
 /* The effect is called for when `fact` of the scene is at least `threshold`. Facts: see the guide;
- * for example "materials.blend", "materials.transmission" count materials in use. */
+ * for example "materials.blend", "materials.transmission" count materials in use. It is also how an
+ * effect gets materials to emit for: those that such a fact counts. One that is called for by nothing
+ * of the materials may be switched on, and draws nothing. */
 typedef struct strata_need {
     uint32_t struct_size;
     uint32_t reserved;

@@ -45,13 +45,14 @@ STRATA_EXPORT void strata_close(strata *s); /* NULL is fine; its scenes must be 
  * the last strata_open that failed on this thread. */
 STRATA_EXPORT const char *strata_error(const strata *s);
 
-STRATA_EXPORT uint32_t strata_version(void); /* STRATA_ABI_VERSION of the library */
+STRATA_EXPORT uint32_t strata_version(void);    /* STRATA_ABI_VERSION of the library */
+STRATA_EXPORT const char *strata_release(void); /* and its release, "0.1.0", static */
 
-/* For programs whose device may be the processor, once, before anything else: memory that was freed
- * stays with the process (up to 512 MiB of it), for all that runs there. Mesa's software drivers take
- * and free the vertices of every draw, and where those pages go back to the system in between, faulting
- * them in again can cost a third of a frame, by how blocks happen to lie. Nothing where the C library
- * is not glibc. */
+/* For programs whose device may be the processor, once, before anything else: blocks of up to 32 MiB
+ * that were freed stay with the process (up to 512 MiB of them), for all that runs there. Mesa's
+ * software drivers take and free the vertices of every draw, and where those pages go back to the
+ * system in between, faulting them in again can cost a third of a frame, by how blocks happen to lie.
+ * Nothing where the C library is not glibc. */
 STRATA_EXPORT void strata_keep_memory(void);
 
 /* ---- scenes ----------------------------------------------------------------------------------- */
@@ -133,11 +134,13 @@ typedef struct strata_render_options {
     uint32_t continues;
     /* 1: what the techniques of these frames cost is added to what is known of this device, in the
      * cache; later plans go by it, also those of other instances. Frames that prepared, were recorded
-     * again or certified are not typical and teach nothing. */
+     * again or certified are not typical and teach nothing; nor do those of a sequence whose camera,
+     * `angle` or scene are no longer what the plan was made for (`turn` within a repeat is taken to
+     * change little), and what draws behind culled objects. */
     uint32_t learn;
     /* Milliseconds that a frame may take, 0 = any time. The most accurate technique that is expected
      * to need no more; then, over the frames of a `repeat` or of a sequence, what they took decides.
-     * Under a tolerance it changes nothing. */
+     * It counts as met up to 15 % above. Under a tolerance it changes nothing. */
     double budget;
     /* With learn: how many times as long as usual frames take at present, above 0, by what the caller
      * renders beside them; what is learnt is divided by it. 0 = 1. */

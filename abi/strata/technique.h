@@ -58,10 +58,15 @@ typedef struct strata_promises {
 } strata_promises;
 
 /* Cost before anything was measured, in units of blending one fragment (the floor). The plan adds
- * frame + per_pixel * covered pixels + per_fragment * fragments + per_triangle * triangles, and for
- * techniques that draw once for each layer of the deepest pixel
- * largest depth * (per_depth + per_depth_pixel * covered pixels + per_depth_fragment * fragments +
- * per_depth_triangle * triangles); and per_object * opaque objects for those that name objects/1. */
+ * frame + per_pixel * pixels + per_fragment * fragments + per_fragment_log2_depth * fragments *
+ * log2(1 + mean depth) + per_triangle * triangles, and for techniques that draw once for each layer of
+ * the deepest pixel
+ * depth * (per_depth + per_depth_pixel * pixels + per_depth_fragment * fragments +
+ * per_depth_triangle * triangles); and per_object * opaque objects for those that name objects/1.
+ * Pixels are those that fragments cover, for the stages clip, capture, resolve and stream; for all
+ * others they are the frame's, and fragments are 0: there per_fragment is the price of what opaque
+ * draws overdraw, where culling is weighed. Triangles are those of the draws that its slots name. The
+ * depth is the largest, and no more than the k that is kept. */
 typedef struct strata_cost_model {
     uint32_t struct_size;
     uint32_t reserved;

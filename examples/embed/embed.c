@@ -33,7 +33,9 @@ static strata_result turn(strata *s, strata_scene *scene, float *pixels) {
         const strata_render_options options = {.struct_size = sizeof options,
                                                .width = WIDTH,
                                                .height = HEIGHT,
-                                               .angle = 360.0 * frame / FRAMES};
+                                               .angle = 360.0 * frame / FRAMES,
+                                               .continues = frame > 0}; /* one sequence */
+        /* In place of the transform that the instance has in the scene. */
         result = strata_scene_set_transform(scene, 0, lifted);
         if (result == STRATA_OK)
             result = strata_render(s, scene, &options);

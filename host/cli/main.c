@@ -25,7 +25,7 @@ typedef struct choice {
 static void print_version(FILE *out, struct argp_state *state) {
     (void)state;
     uint32_t version = strata_version();
-    fprintf(out, "strata, host ABI %u.%u\n", STRATA_VERSION_MAJOR(version),
+    fprintf(out, "strata %s, host ABI %u.%u\n", strata_release(), STRATA_VERSION_MAJOR(version),
             STRATA_VERSION_MINOR(version));
 }
 

@@ -17,7 +17,7 @@
 
 #include "cli/cli.h"
 
-#define SWEEP_FORMAT    "strata-sweep/2"
+#define SWEEP_FORMAT    "strata-sweep/3"
 #define SWEEP_MAX_CASES 16
 #define SWEEP_VISIT     3u          /* frames measured before another configuration has its turn */
 #define SWEEP_WARMUP    2u          /* frames before them */

@@ -63,12 +63,9 @@ static json_t *request(const sweep_options *o) {
 }
 
 json_t *sweep_begin(const sweep_options *o) {
-    char version[32];
-    snprintf(version, sizeof version, "%u.%u", STRATA_VERSION_MAJOR(strata_version()),
-             STRATA_VERSION_MINOR(strata_version()));
     return json_pack("{s:s, s:s, s:o, s:n, s:o, s:b, s:i, s:[], s:[]}", "format", SWEEP_FORMAT,
-                     "strata", version, "machine", machine(), "device", "request", request(o),
-                     "complete", 0, "failed", 0, "violations", "cases");
+                     "strata", strata_release(), "machine", machine(), "device", "request",
+                     request(o), "complete", 0, "failed", 0, "violations", "cases");
 }
 
 /* ---- a configuration ------------------------------------------------------------------------- */

@@ -40,40 +40,57 @@ static void save(plan_work *w, double share) {
     }
 }
 
-static void weigh(plan_work *w, plan_candidate *c) {
+/* Of the opaque triangles. Who does not learn from depth/1 finds what is outside of the view, and
+ * no more. */
+static double share_of(const plan_work *w, const plan_candidate *c) {
     const strata_scene_stats *stats = w->in->stats;
-    const char *unnamed = w->in->use ? "not named in --use; " : "";
-    char number[32];
-    /* Who does not learn from depth/1 finds what is outside of the view, and no more. */
     double gone = stats->outside_triangles;
     if (plan_slot(c->note, "depth/1", STRATA_SLOT_CONSUMES))
         gone += stats->hidden_triangles;
-    if (c->cost == PLAN_NO_COST || !(gone > 0.0)) {
+    return gone > 0.0 ? fmin(gone / (double)stats->opaque_triangles, 1.0) : 0.0;
+}
+
+static void weigh(plan_work *w, plan_candidate *c) {
+    const char *unnamed = w->in->use ? "not named in --use; " : "";
+    const double share = share_of(w, c);
+    char number[32];
+    demand_number(w->in->stats->opaque_objects, number);
+    if (c->cost == PLAN_NO_COST || !(share > 0.0)) {
         plan_reason(c, "%s%s opaque objects: too few to be culled, or none is hidden", unnamed,
-                    demand_number(stats->opaque_objects, number));
+                    number);
         return;
     }
-    const double share = fmin(gone / (double)stats->opaque_triangles, 1.0);
     const double saves = savings(w, share);
     c->chosen = saves > MARGIN * c->cost && !w->in->use;
     plan_reason(c,
                 "%sof the triangles of %s opaque objects about %.0f %% %s hidden or outside: that "
                 "saves %.2g blended fragments and costs %.2g",
-                unnamed, demand_number(stats->opaque_objects, number), 100.0 * share,
-                c->chosen ? "are" : "would be", saves, c->cost);
-    if (c->chosen)
-        save(w, share);
+                unnamed, number, 100.0 * share, c->chosen ? "are" : "would be", saves, c->cost);
+}
+
+static int has_drawn(const plan_work *w) {
+    for (uint32_t i = 0; i < w->count; i++)
+        if (draws(&w->candidates[i]))
+            return 1;
+    return 0;
 }
 
 void plan_choose_cull(plan_work *w) {
     for (uint32_t i = 0; i < w->count; i++) {
         plan_candidate *c = &w->candidates[i];
-        if (c->role == PLAN_DRAWS && !c->blocked && !c->named &&
-            plan_slot(c->note, "objects/1", STRATA_SLOT_UPDATES) &&
-            plan_slot(c->note, "draws.opaque/1", STRATA_SLOT_UPDATES)) {
+        if (c->role != PLAN_DRAWS || c->blocked ||
+            !plan_slot(c->note, "objects/1", STRATA_SLOT_UPDATES) ||
+            !plan_slot(c->note, "draws.opaque/1", STRATA_SLOT_UPDATES))
+            continue;
+        if (!c->named) {
             weigh(w, c);
-            if (c->chosen)
-                return; /* one is enough */
+        } else if (has_drawn(w)) {
+            c->chosen = 1;
+            plan_reason(c, "named in --use");
+        }
+        if (c->chosen) {
+            save(w, share_of(w, c));
+            return; /* one is enough */
         }
     }
 }

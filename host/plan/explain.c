@@ -51,9 +51,9 @@ strata_result plan_leave_fold(plan_work *w) {
 
 /* Of which ways it is the cheapest, where it is not of all. */
 static const char *among(const plan_search *s) {
-    return s->doubted                ? " that was measured here"
-           : s->best.cost > s->least ? " that promises the same bits everywhere"
-                                     : "";
+    return s->doubted                        ? " that was measured here"
+           : plan_whole(&s->best) > s->least ? " that promises the same bits everywhere"
+                                             : "";
 }
 
 void plan_describe_fold(const plan_search *s) {
@@ -61,7 +61,7 @@ void plan_describe_fold(const plan_search *s) {
     plan_candidate *first = plan_holder(b);
     char cost[48], count[32];
     const int exact = plan_way_is_exact(b);
-    cost_text(s->w, b->cost, cost);
+    cost_text(s->w, plan_whole(b), cost);
     demand_number((uint64_t)s->w->in->stats->transparent_fragments, count);
     for (plan_candidate *c = first; c; c = c == b->fold ? NULL : b->fold) {
         const char *partner =
@@ -95,7 +95,7 @@ static const plan_candidate *named_instead(const plan_search *s, const plan_cand
 void plan_describe_others(const plan_search *s) {
     const plan_way *b = &s->best;
     char theirs[48], ours[48];
-    cost_text(s->w, b->cost, ours);
+    cost_text(s->w, plan_whole(b), ours);
     for (uint32_t i = 0; i < s->w->count; i++) {
         plan_candidate *c = &s->w->candidates[i];
         if (!plan_folds(c) || c->reason[0])
@@ -110,7 +110,7 @@ void plan_describe_others(const plan_search *s) {
             plan_reason(c, "costs %s against %s of %s%s%s%s", theirs, ours,
                         b->capture ? b->capture->note->id : "", b->capture ? " + " : "",
                         b->fold->note->id,
-                        c->compared == PLAN_NO_COST || !(c->compared < b->cost) ? ""
+                        c->compared == PLAN_NO_COST || !(c->compared < plan_whole(b)) ? ""
                         : s->doubted ? ", which was measured here"
                                      : ", which promises the same bits everywhere");
     }

@@ -216,8 +216,11 @@ static double part_cost(const plan_work *w, const way *candidate, const plan_can
 static double cost_of(const plan_work *w, const way *candidate) {
     const double fold = part_cost(w, candidate, candidate->fold),
                  capture = candidate->capture ? part_cost(w, candidate, candidate->capture) : 0.0;
-    return (fold == PLAN_NO_COST || capture == PLAN_NO_COST ? HUGE_VAL : fold + capture) +
-           plan_filter_cost(w, candidate->fold);
+    return fold == PLAN_NO_COST || capture == PLAN_NO_COST ? HUGE_VAL : fold + capture;
+}
+
+double plan_whole(const way *candidate) {
+    return candidate->cost + candidate->beside;
 }
 
 /* What each part is expected to take, together what the way was weighed with. */
@@ -237,7 +240,7 @@ static int is_open(const plan_search *s, const way *candidate) {
 }
 
 static double weighed(const way *candidate) {
-    return candidate->cost * (is_bounded(candidate->fold) ? BITS_WORTH : 1.0);
+    return candidate->cost * (is_bounded(candidate->fold) ? BITS_WORTH : 1.0) + candidate->beside;
 }
 
 static int is_known(const plan_search *s, const way *candidate) {
@@ -248,10 +251,11 @@ static int is_known(const plan_search *s, const way *candidate) {
 
 static void consider(plan_search *s, way candidate) {
     candidate.cost = cost_of(s->w, &candidate);
-    note_way(candidate.capture, candidate.cost);
-    note_way(candidate.fold, candidate.cost);
+    const double whole = plan_whole(&candidate);
+    note_way(candidate.capture, whole);
+    note_way(candidate.fold, whole);
     s->ways++;
-    s->least = s->best.fold ? fmin(s->least, candidate.cost) : candidate.cost;
+    s->least = s->best.fold ? fmin(s->least, whole) : whole;
     if (!s->best.fold || weighed(&candidate) < weighed(&s->best))
         s->best = candidate;
     if (is_known(s, &candidate) &&
@@ -259,9 +263,14 @@ static void consider(plan_search *s, way candidate) {
         s->measured = candidate;
 }
 
+/* What it may cost, where it was not measured. */
+static double doubted(const way *candidate) {
+    return UNMEASURED * candidate->cost + candidate->beside;
+}
+
 static void doubt(plan_search *s) {
     if (!s->measured.fold || is_known(s, &s->best) ||
-        !(s->measured.cost < UNMEASURED * s->best.cost))
+        !(plan_whole(&s->measured) < doubted(&s->best)))
         return;
     s->best = s->measured;
     s->doubted = 1;
@@ -312,10 +321,10 @@ static void take_ways(plan_search *s, int (*may)(const plan_work *, plan_candida
         if ((first->role != PLAN_CAPTURE && first->role != PLAN_STREAM) || !may(w, first))
             continue;
         if (first->role == PLAN_STREAM)
-            take_forms(s, (way){.fold = first}, take);
+            take_forms(s, (way){.fold = first, .beside = plan_filter_cost(w, first)}, take);
         for (uint32_t k = 0; first->role == PLAN_CAPTURE && k < w->count; k++) {
             plan_candidate *second = &w->candidates[k];
-            way pair = {.capture = first, .fold = second};
+            way pair = {.capture = first, .fold = second, .beside = plan_filter_cost(w, second)};
             if (second->role == PLAN_RESOLVE && eligible(w, second) &&
                 agree(first, second, &pair.form.layout))
                 take_forms(s, pair, take);
@@ -337,28 +346,33 @@ static int may_give(const plan_work *w, plan_candidate *c) {
 }
 
 /* The less the expected error the better, then the cheaper; where nothing fits, the cheapest. What
- * keeps all and was late is not expected to fit again, and what never was measured may be off. */
+ * keeps all and was late is not expected to fit again; where others were measured, what was not may
+ * cost more than is expected, which frames correct where the number kept is turned. */
 static void consider_within(plan_search *s, way candidate) {
     const int doubtful =
         s->measured.fold && !is_known(s, &candidate) && !plan_free_count(plan_holder(&candidate));
-    const int fits = plan_fit_way(s->w, &candidate, s->room / (doubtful ? UNMEASURED : 1.0));
+    const double beside = candidate.beside,
+                 room = doubtful ? (s->room - beside) / UNMEASURED + beside : s->room;
+    const int fits = plan_fit_way(s->w, &candidate, room);
+    const double whole = doubtful ? doubted(&candidate) : plan_whole(&candidate);
     if (!(candidate.keeps > 0.0) && (s->w->in->late >> candidate.form.payload & 1u))
         return;
     if (fits && (!s->fitting.fold || candidate.error < s->fitting.error ||
-                 (candidate.error == s->fitting.error && candidate.cost < s->fitting.cost)))
+                 (candidate.error == s->fitting.error && whole < plan_whole(&s->fitting))))
         s->fitting = candidate;
-    if (!fits && (!s->cheapest.fold || candidate.cost < s->cheapest.cost))
+    if (!fits && (!s->cheapest.fold || whole < plan_whole(&s->cheapest)))
         s->cheapest = candidate;
 }
 
 /* What promises no bound may be the last resort. */
 static void consider_approximate(plan_search *s, plan_candidate *c) {
-    const double alone = c->cost == PLAN_NO_COST ? HUGE_VAL : c->cost;
-    const way candidate = {.fold = c, .cost = alone + plan_filter_cost(s->w, c)};
+    const way candidate = {.fold = c,
+                           .cost = c->cost == PLAN_NO_COST ? HUGE_VAL : c->cost,
+                           .beside = plan_filter_cost(s->w, c)};
     if (c->role == PLAN_STREAM && !c->blocked && c->note->promises &&
         plan_promised_order(c) == STRATA_ORDER_APPROXIMATE && !costs_is_unit(c->note) &&
         is_open(s, &candidate) && !check_frame(s->w, c) &&
-        (!s->cheapest.fold || candidate.cost < s->cheapest.cost))
+        (!s->cheapest.fold || plan_whole(&candidate) < plan_whole(&s->cheapest)))
         s->cheapest = candidate;
 }
 
@@ -373,7 +387,7 @@ static void consider_alike(plan_search *s, const way *exact) {
     const double room = s->room;
     if (s->fitting.fold || !(s->cheapest.keeps > 0.0))
         return;
-    s->room = plan_alike(s->cheapest.cost, room);
+    s->room = plan_alike(plan_whole(&s->cheapest), room);
     if (exact && plan_fits(exact, s->room))
         s->fitting = *exact;
     else
@@ -403,6 +417,8 @@ static strata_result choose_within(plan_search *s) {
         consider_approximate(s, &w->candidates[i]);
     if (s->fitting.fold || s->cheapest.fold)
         s->best = s->fitting.fold ? s->fitting : s->cheapest;
+    s->doubted = 0;
+    s->least = plan_whole(&s->best);
     if (s->fitting.fold || !s->cheapest.fold ||
         (s->best.fold->named && plan_fits(&s->best, s->room)))
         return STRATA_OK;

@@ -105,12 +105,15 @@ int plan_certifies(const plan_candidate *c);
 typedef struct plan_way {
     plan_candidate *capture, *fold;
     costs_form form;
-    double cost;  /* HUGE_VAL when unknown */
-    double keeps; /* under a budget: how many fragments a pixel, 0 = what its settings say */
-    double error; /* under a budget: that is expected */
+    double cost;   /* HUGE_VAL when unknown */
+    double beside; /* what it needs beside it costs: a filter of its sub-pixels */
+    double keeps;  /* under a budget: how many fragments a pixel, 0 = what its settings say */
+    double error;  /* under a budget: that is expected */
 } plan_way;
 
 plan_candidate *plan_holder(const plan_way *candidate); /* what holds a pixel's fragments */
+
+double plan_whole(const plan_way *candidate); /* its cost, and what it needs beside it */
 
 double plan_ns(const plan_input *in);      /* of a blended fragment, 0 = unknown */
 int plan_has_budget(const plan_input *in); /* that decides */

@@ -34,7 +34,7 @@ double plan_room(const plan_work *w) {
 }
 
 int plan_fits(const plan_way *way, double room) {
-    return way->cost <= BUDGET_NEAR * room;
+    return plan_whole(way) <= BUDGET_NEAR * room;
 }
 
 #define ALIKE 1.1 /* costs that expectations do not tell apart */
@@ -75,8 +75,7 @@ static double most(const plan_work *w, const plan_candidate *holder) {
 static double cost_at(const plan_work *w, const plan_way *way, double keeps) {
     const double fold = plan_cost(w, way->fold, way->form, keeps),
                  capture = way->capture ? plan_cost(w, way->capture, way->form, keeps) : 0.0;
-    return (fold == PLAN_NO_COST || capture == PLAN_NO_COST ? HUGE_VAL : fold + capture) +
-           plan_filter_cost(w, way->fold);
+    return fold == PLAN_NO_COST || capture == PLAN_NO_COST ? HUGE_VAL : fold + capture;
 }
 
 /* Where fragments hide nothing, they are taken to hide this much: each still adds to the sum. */
@@ -153,6 +152,7 @@ int plan_fit_way(const plan_work *w, plan_way *way, double room) {
         keep(w, way, 0.0, cost_at(w, way, plan_kept(plan_holder(way))));
         return plan_fits(way, room);
     }
+    room -= way->beside;
     const ladder l = climb(w, way);
     int at = l.count - 1;
     while (at > 0 && l.cost[at] > room)
@@ -203,7 +203,7 @@ void plan_explain_budget(plan_work *w, const plan_way *chosen) {
             "; for the budget of %.3g ms it begins with the nearest %.0f of up to %.0f fragments "
             "a pixel%s%s",
             budget, chosen->keeps, ceil(w->in->stats->largest_depth), stored,
-            chosen->cost <= room ? "" : ", though that is expected to miss it");
+            plan_whole(chosen) <= room ? "" : ", though that is expected to miss it");
     else if (!(ns > 0.0))
         snprintf(text, size - length, "; whether the budget of %.3g ms is met is not known yet",
                  budget);

@@ -300,9 +300,9 @@ strata_result strata_list(strata *s, strata_write_fn write, void *user) {
     gpu_enumerate(add_device, devices);
     snprintf(version, sizeof version, "%u.%u", STRATA_VERSION_MAJOR(STRATA_ABI_VERSION),
              STRATA_VERSION_MINOR(STRATA_ABI_VERSION));
-    json_t *object = json_pack("{s:s, s:o, s:o, s:o, s:o}", "version", version, "modules",
-                               plan_json_modules(notes, count), "rejected", rejected, "devices",
-                               devices, "scenes", scenes_json());
+    json_t *object = json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "release", STRATA_RELEASE,
+                               "version", version, "modules", plan_json_modules(notes, count),
+                               "rejected", rejected, "devices", devices, "scenes", scenes_json());
     free(notes);
     return render_write_json(s, object, write, user);
 }

@@ -21,6 +21,7 @@ void render_budget_end(strata *s) {
 void render_budget_begin(strata *s, double asked) {
     render_budget_end(s);
     s->budget.watch.asked = asked;
+    s->budget.replan = asked > 0; /* its plan is made for it, whatever was rendered before */
 }
 
 /* How many steps of the knob take as long as what a frame of this plan does besides; 0: unknown. */
@@ -55,8 +56,13 @@ static void name_plan(render_budget *b, const plan *p) {
                               p->techniques[i].technique->id);
                 add_settings(&name, p, &p->techniques[i]);
             }
+    const char *text = name.data ? name.data : "";
     b->plans = b->plans ? b->plans : json_array();
-    json_array_append_new(b->plans, json_string(name.data ? name.data : ""));
+    for (b->plan = 0; b->plan < json_array_size(b->plans); ++b->plan)
+        if (strcmp(json_string_value(json_array_get(b->plans, b->plan)), text) == 0)
+            break;
+    if (b->plan == json_array_size(b->plans))
+        json_array_append_new(b->plans, json_string(text));
     base_text_free(&name);
 }
 
@@ -132,7 +138,7 @@ strata_result render_budget_learn(strata *s, const strata_render_options *option
     const render_budget_frame frame = {.ms = figures->ms,
                                        .level = plan_turned(s->session->plan),
                                        .judged = (uint32_t)says_something(b, figures),
-                                       .plan = (uint32_t)json_array_size(b->plans) - 1};
+                                       .plan = b->plan};
     if (!(b->watch.asked > 0))
         return STRATA_OK;
     if (figures->report.known >> STRATA_REPORT_MAX_PER_PIXEL & 1u)

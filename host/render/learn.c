@@ -84,12 +84,13 @@ static int uses(const modules_technique_note *t, uint32_t use, const char *slot)
     return 0;
 }
 
-/* Whether some of what it draws was culled before: then it costs less than what its terms say. */
+/* Whether objects that it draws were culled before: then it costs less than what its terms say. */
 static int is_culled(const plan *p, const modules_technique_note *t) {
     static const char *const draws[] = {"draws.opaque/1", "draws.transparent/1"};
     for (size_t d = 0; d < BASE_COUNT(draws); ++d)
         for (uint32_t i = 0; uses(t, STRATA_SLOT_CONSUMES, draws[d]) && i < p->technique_count; ++i)
-            if (uses(p->techniques[i].technique, STRATA_SLOT_UPDATES, draws[d]))
+            if (uses(p->techniques[i].technique, STRATA_SLOT_UPDATES, draws[d]) &&
+                uses(p->techniques[i].technique, STRATA_SLOT_UPDATES, "objects/1"))
                 return 1;
     return 0;
 }
@@ -101,16 +102,18 @@ int render_learn_frame(const strata *s, costs *c, double pace) {
     const costs_form form = plan_form(session->plan);
     double terms[COSTS_TERMS];
     char name[COSTS_NAME];
+    /* A sequence may go by what is true of its own frames alone. */
+    const int lasting = c == &s->costs;
     int learnt = 0;
     if (last->prepared || last->retries || session->certify || result->has_deep ||
-        !clips_as_usual(session->plan))
+        !clips_as_usual(session->plan) || (lasting && !session->as_planned))
         return 0;
     for (uint32_t i = 0; i < session->plan->technique_count; ++i) {
         const plan_technique *t = &session->plan->techniques[i];
         const double ms = time_of(result, t->technique->id);
         costs_terms(t->technique, &session->plan->stats, kept_by(session->plan), terms);
         costs_name(t->technique, form, name);
-        learnt |= is_typical(t) && !is_culled(session->plan, t->technique) &&
+        learnt |= is_typical(t) && !(lasting && is_culled(session->plan, t->technique)) &&
                   costs_add(c, name, terms, ms / pace);
     }
     return learnt;

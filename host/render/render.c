@@ -228,7 +228,7 @@ static strata_result render_frames(strata *s, const strata_render_options *optio
         if (r != STRATA_OK)
             return r;
         result->frames[result->frame_count++] = figures_of(s, &before, base_now_ms() - begin);
-        if (options->learn && s->session->as_planned)
+        if (options->learn)
             result->learnt |= (uint32_t)render_learn_frame(s, &s->costs, options->pace);
         r = render_budget_learn(s, options, err);
         if (r != STRATA_OK)
@@ -267,9 +267,10 @@ static void begin_sequence(strata *s, const scene *sc, const scene_view *view) {
 }
 
 /* Whether what its plan expects is of this view and scene. */
-static void compare_view(strata *s, const scene *sc) {
+static void compare_view(strata *s, const scene *sc, const strata_render_options *options) {
     render_session *session = s->session;
     session->as_planned = session->planned_revision == sc->revision &&
+                          session->planned_angle == options->angle &&
                           memcmp(session->planned_view.world_to_clip, s->result.view.world_to_clip,
                                  sizeof s->result.view.world_to_clip) == 0;
 }
@@ -289,13 +290,14 @@ static strata_result plan_and_render(strata *s, scene *sc, const strata_render_o
             r = render_session_open(s, sc, options, p, err);
         if (r == STRATA_OK) {
             s->session->planned_view = s->result.view;
+            s->session->planned_angle = options->angle;
             s->session->planned_revision = sc->revision;
             render_budget_planned(s);
         }
     }
     if (r != STRATA_OK)
         return r;
-    compare_view(s, sc);
+    compare_view(s, sc, options);
     s->session->careful = s->losses > 0;
     return render_frames(s, options, failed, err);
 }

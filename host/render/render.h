@@ -104,7 +104,8 @@ typedef struct render_session {
     double tolerance; /* the most that is accepted; 0: none was given */
     uint32_t careful; /* submit after each technique, to learn which one loses the device */
     plan *plan;
-    scene_view planned_view;   /* that it was made for */
+    scene_view planned_view; /* that it was made for, before it turned by this angle */
+    double planned_angle;
     uint64_t planned_revision; /* and of which scene */
     uint32_t as_planned; /* 1: these are what is rendered; else its statistics are of others */
     char *plan_text;     /* its JSON, compared to see whether it changed */
@@ -231,8 +232,8 @@ typedef struct render_budget {
     int prepared, recorded_again; /* the last frame was */
     render_budget_frame *frames;  /* the last ones */
     uint32_t count;
-    json_t
-        *plans; /* what folds in each of its plans, "kplus payload=half + ppc"; NULL = none yet */
+    json_t *plans; /* what folds in them, each once, "kplus payload=half + ppc"; NULL = no plan */
+    uint32_t plan; /* index of the present one */
 } render_budget;
 
 struct strata {
@@ -369,8 +370,8 @@ json_t *render_budget_json(const strata *s); /* null when there is none */
 /* ---- learn.c --------------------------------------------------------------------------------- */
 /* What is known of the device that was just opened. */
 strata_result render_costs_load(strata *s, base_error *err);
-/* Adds the frame that just ended, its times divided by `pace`; 0: it is not typical, or passes are
- * not timed. */
+/* Adds the frame that just ended, its times divided by `pace`, to the device's costs or to those of
+ * a sequence; 0: it is not typical, or passes are not timed. */
 int render_learn_frame(const strata *s, costs *c, double pace);
 /* Whether all of it that was timed was measured on this device before. */
 int render_knows_frame(const strata *s);

@@ -15,6 +15,10 @@ uint32_t strata_version(void) {
     return STRATA_ABI_VERSION;
 }
 
+const char *strata_release(void) {
+    return STRATA_RELEASE;
+}
+
 void strata_keep_memory(void) {
 #ifdef __GLIBC__
     /* Below 32 MiB, the most that glibc admits, no block gets a mapping of its own, which free()

@@ -236,15 +236,16 @@ static json_t *result_of(const config *c, double floor_ms, double fragments, con
     json_t *frames = json_array();
     for (uint32_t i = 0; i < o->frames; ++i)
         json_array_append_new(frames, json_real(c->ms[i]));
-    return json_pack(
-        "{s:s, s:s, s:f, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:O, s:O, s:O}", "name", c->name,
-        "backend", c->backend, "ms", ms, "frame_ms", frames, "mad_ms", deviation(c->ms, o->frames),
-        "cpu_ms", median(c->cpu_ms, o->frames), "x_floor", ms / floor_ms, "mfragments_s",
-        fragments / ms / 1e3, "last_technique_ms", last_ms, "last_technique_mfragments_s",
-        last_ms > 0 ? fragments / last_ms / 1e3 : 0, "bytes_a_fragment_beyond_16_a_pixel",
-        first_fragments > 0 ? (stored - 16 * pixels) / first_fragments : 0, "bytes", bytes,
-        "passes", json_object_get(c->account, "passes"), "device",
-        json_object_get(c->account, "device"));
+    return json_pack("{s:s, s:s, s:f, s:o, s:f, s:f, s:o, s:f, s:f, s:f, s:f, s:O, s:O, s:O}",
+                     "name", c->name, "backend", c->backend, "ms", ms, "frame_ms", frames, "mad_ms",
+                     deviation(c->ms, o->frames), "cpu_ms", median(c->cpu_ms, o->frames), "x_floor",
+                     fragments > 0 && floor_ms > 0 ? json_real(ms / floor_ms) : json_null(),
+                     "mfragments_s", fragments / ms / 1e3, "last_technique_ms", last_ms,
+                     "last_technique_mfragments_s", last_ms > 0 ? fragments / last_ms / 1e3 : 0,
+                     "bytes_a_fragment_beyond_16_a_pixel",
+                     first_fragments > 0 ? (stored - 16 * pixels) / first_fragments : 0, "bytes",
+                     bytes, "passes", json_object_get(c->account, "passes"), "device",
+                     json_object_get(c->account, "device"));
 }
 
 static int print_results(const config *configs, uint32_t count, const options *o) {

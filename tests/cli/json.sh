@@ -56,7 +56,8 @@ run list --json
 mv out list.json
 [ "$status" -eq 0 ] && [ ! -s err ] && "$json_get" list.json
 verdict 'list is one object'
-value 'list: version' list.json version 1.0
+value 'list: ABI' list.json version 1.0
+value 'list: release' list.json release "$(run --version && sed 's/strata //; s/,.*//' out)"
 value 'list: sorted modules' list.json modules/0/id abuffer
 value 'list: knob' list.json modules/0/techniques/0/knobs/0/name mode
 value 'list: choices' list.json modules/0/techniques/0/knobs/0/choices '["contiguous","linked"]'

@@ -39,7 +39,7 @@ verdict 'a sweep is done'
 r=one/results.json
 "$json_get" $r >/dev/null
 verdict 'results are one object'
-value 'format' $r format strata-sweep/2
+value 'format' $r format strata-sweep/3
 value 'complete' $r complete true
 value 'no violations' $r violations '[]'
 value 'scene' $r cases/0/scene 'scene:layers?count=12'
@@ -121,7 +121,7 @@ verdict 'a name that no configuration has is said'
 # promise bits.
 run sweep "$scene" --size 8x8 --repeat 1 --all --only cullcheck --only hiz -o diagnostic
 [ "$status" -eq 0 ] && ! grep -q 'cullcheck show' diagnostic/results.json &&
-    grep -q '"use": "cullcheck"' diagnostic/results.json
+    grep -q '"name": "cullcheck"' diagnostic/results.json
 verdict 'what is not a picture is not judged as one'
 
 # Without the technique that gives the exact image, another does, with what makes it exact.
@@ -219,7 +219,7 @@ while IFS='|' read -r name edit; do
 done <<'END'
 empty|d
 cut short|20q
-of another format|s/strata-sweep.2/strata-sweep.1/
+of another format|s/strata-sweep.3/strata-sweep.2/
 of another machine|s/"cores": /"cores": 9/
 of another device|s/"driver": "/"driver": "x/
 of other modules|s/"use": "wboit"/"use": "wbait"/
@@ -245,7 +245,7 @@ of cases twice|s/^ "cases": \[/ "cases": [{}, /
 with cases that are no list|s/^ "cases": \[/ "cases": 1, "x": [/
 not UTF-8|s/"kplus"/"\xff"/
 END
-for text in '{}' '[]' '"strata-sweep\/2"' '{"format":"strata-sweep/2"}' '{"format":"strata-sweep/2","format":1}'; do
+for text in '{}' '[]' '"strata-sweep\/3"' '{"format":"strata-sweep/3"}' '{"format":"strata-sweep/3","format":1}'; do
     echo "$text" >bad/results.json
     refuse "results that are $text" 1 'cannot go on with it' "$@" -o bad --resume
 done

@@ -83,6 +83,6 @@ for verb in '' render plan list compare sweep scene; do
     verdict "help of '$verb'"
 done
 run --version
-[ "$status" -eq 0 ] && [ ! -s err ] && grep -Eq '[0-9]+\.[0-9]+' out
+[ "$status" -eq 0 ] && [ ! -s err ] && grep -Eqx 'strata [0-9]+\.[0-9]+\.[0-9]+, host ABI [0-9]+\.[0-9]+' out
 verdict 'version'
 finish

@@ -58,7 +58,7 @@ bad_module() {
         [ ! -f "$work/bad/build/glow.so" ]
 }
 
-# Without CMake: cc, pkg-config and strata-note, as the guide describes it.
+# Without CMake: cc, pkg-config and strata-note.
 module_by_hand() {
     pc() { PKG_CONFIG_PATH="$work/prefix/$libdir/pkgconfig" pkg-config "$@" strata; }
     mkdir -p "$work/hand" && cd "$work/hand" &&

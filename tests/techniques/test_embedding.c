@@ -178,6 +178,10 @@ static void other_views_teach_nothing(void **state) {
     o.continues = 1;
     assert_int_equal(strata_render(s, sc, &o), STRATA_OK);
     const uint32_t second = learnt_frames(s);
+    o.angle = 90;
+    assert_int_equal(strata_render(s, sc, &o), STRATA_OK);
+    assert_int_equal(learnt_frames(s), second);
+    o.angle = 0;
     o.camera = "orbit:50,30";
     assert_int_equal(strata_render(s, sc, &o), STRATA_OK);
     assert_int_equal(learnt_frames(s), second);
@@ -218,12 +222,31 @@ static void what_is_culled_teaches_nothing(void **state) {
     }
 }
 
+/* A sequence with a budget that failed to begin begins with the frame that continues it. */
+static void a_budget_begins_late(void **state) {
+    (void)state;
+    strata *s = open_null();
+    strata_scene *sc = layers(s);
+    strata_render_options o = small;
+    o.budget = 5;
+    assert_int_equal(strata_render(s, sc, &o), STRATA_OK);
+    o.camera = "nope";
+    assert_true(strata_render(s, sc, &o) < 0);
+    o.camera = NULL;
+    o.continues = 1;
+    assert_int_equal(strata_render(s, sc, &o), STRATA_OK);
+    assert_int_equal(strata_account(s, ignore, NULL), STRATA_OK);
+    assert_int_equal(json_array_size(s->budget.plans), 1);
+    strata_close(s);
+}
+
 /* A session that goes on tells of the scene as it is now. */
 static void evidence_is_of_the_scene_as_it_is(void **state) {
     char before[192] = "";
     (void)state;
     strata *s = open_null();
     strata_scene *sc = NULL;
+    const render_session *session = NULL;
     assert_int_equal(strata_scene_load(s, "scene:stack", &sc), STRATA_OK); /* of three */
     for (uint32_t hidden = 0; hidden < 2; ++hidden) {
         assert_int_equal(strata_scene_set_visible(sc, 0, !hidden), STRATA_OK);
@@ -231,6 +254,8 @@ static void evidence_is_of_the_scene_as_it_is(void **state) {
         const plan_effect *over = &s->session->plan->effects[0];
         assert_string_equal(over->effect->id, "over");
         assert_int_equal(hidden && strcmp(before, over->evidence) == 0, 0);
+        assert_true(!hidden || s->session == session);
+        session = s->session;
         snprintf(before, sizeof before, "%s", over->evidence);
     }
     strata_close(s);
@@ -446,6 +471,7 @@ int main(void) {
         cmocka_unit_test(what_is_learnt_is_in_the_usual_pace),
         cmocka_unit_test(other_views_teach_nothing),
         cmocka_unit_test(what_is_culled_teaches_nothing),
+        cmocka_unit_test(a_budget_begins_late),
         cmocka_unit_test(evidence_is_of_the_scene_as_it_is),
         cmocka_unit_test(every_render_may_lose_the_device),
         cmocka_unit_test(pools_of_opaque_techniques_grow),

@@ -39,6 +39,7 @@ static void work(void) {
 static void speaks_its_abi(void **state) {
     (void)state;
     assert_int_equal(strata_version(), STRATA_ABI_VERSION);
+    assert_string_equal(strata_release(), STRATA_RELEASE);
 }
 
 /* Handed back, each round would fault all pages in again; kept, the first does alone. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * An effect of a third party: what glows adds its light and hides nothing. Used only when asked
- * for.
+ * An effect of a third party: materials that emit light add it and hide nothing. It gets the
+ * materials that its need counts; one of a higher priority would take them away.
  */
 #include "glow_glsl.h"
 #include "strata/strata.h"
@@ -10,6 +10,10 @@ static const strata_field color = {
     .struct_size = sizeof(strata_field), .channels = 4, .name = "color"};
 static const strata_field *const payload[] = {&color};
 
+static const strata_need emissive = {
+    .struct_size = sizeof(strata_need), .fact = "materials.emissive", .threshold = 1};
+static const strata_need *const needs[] = {&emissive};
+
 static const strata_effect glow = {
     .struct_size = sizeof(strata_effect),
     .id = "glow",
@@ -17,6 +21,8 @@ static const strata_effect glow = {
     .transmittance_channels = 1,
     .payload = payload,
     .field_count = 1,
+    .called_for_by = needs,
+    .need_count = 1,
     .glsl = &glow_glsl,
 };
 static const strata_effect *const effects[] = {&glow};
