@@ -71,7 +71,8 @@ void render_budget_planned(strata *s) {
     const plan *p = s->session->plan;
     const budget_rule rule = budget_begin(w->asked, p->turned_least, p->turned_most, plan_turned(p),
                                           base_of(&s->budget, p));
-    s->budget.replan = 0;
+    s->budget.replan = s->budget.paced = 0;
+    s->budget.paces = 0;
     budget_planned(w, p->turned ? &rule : NULL);
     if (w->asked > 0)
         name_plan(&s->budget, p);
@@ -88,6 +89,14 @@ static strata_result note(render_budget *b, render_budget_frame frame, base_erro
     return STRATA_OK;
 }
 
+/* How many times as long as usual frames take: by what is known of the present ones, else by those
+ * of the plan before. */
+static double pace_of(const render_budget *b) {
+    if (b->paced)
+        return b->paces / b->paced;
+    return b->ns > 0 && b->costs.ns > 0 ? b->ns / b->costs.ns : 1;
+}
+
 /* Frames of what was never measured here are added to what is known of the device, for this
  * sequence alone, in the pace that the device had then. */
 static strata_result learn(strata *s, const render_figures *figures, base_error *err) {
@@ -100,23 +109,26 @@ static strata_result learn(strata *s, const render_figures *figures, base_error 
         return STRATA_OK;
     if (!b->costs.techniques && !costs_copy(&s->costs, &b->costs))
         return base_fail(err, STRATA_ERROR_OUT_OF_HOST_MEMORY, "budget: out of memory");
-    render_learn_frame(s, &b->costs, b->ns > 0 && b->costs.ns > 0 ? b->ns / b->costs.ns : 1);
+    const double pace = render_frame_pace(s);
+    b->paces += pace;
+    b->paced += pace > 0;
+    render_learn_frame(s, &b->costs, pace_of(b));
     return STRATA_OK;
 }
 
 /* Another plan, by what was learnt. Where all that runs was measured here before, what differs is
  * the pace of the device: others are as much slower, or faster. So it is where passes are not
- * timed. */
+ * timed. Where some of it was, that tells the pace. */
 static strata_result plan_again(strata *s, base_error *err) {
     render_budget *b = &s->budget;
     const plan *p = s->session->plan;
-    const double ms = budget_lasting(&b->watch) - b->beside, unit = b->costs.ns;
+    const double ms = budget_lasting(&b->watch) - b->beside, pace = pace_of(b);
     b->replan = 1;
     strata_result r = b->costs.techniques ? render_costs_fit(s, &b->costs, err) : STRATA_OK;
     if (!(b->costs.ns > 0) || render_knows_frame(s))
         b->ns = p->cost > 0 && ms > 0 ? ms * 1e6 / p->cost : b->ns;
     else
-        b->ns = unit > 0 ? b->ns * b->costs.ns / unit : 0; /* the fit may have changed the unit */
+        b->ns = b->costs.ns * pace; /* the fit may have changed the unit */
     return r;
 }
 

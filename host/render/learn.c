@@ -5,6 +5,7 @@
  */
 #include "render/render.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -117,6 +118,28 @@ int render_learn_frame(const strata *s, costs *c, double pace) {
                   costs_add(c, name, terms, ms / pace);
     }
     return learnt;
+}
+
+#define PACED                                                                                      \
+    0.25 /* of a frame's time must be of what is known, or that tells nothing of the rest */
+
+double render_frame_pace(const strata *s) {
+    const plan *p = s->session->plan;
+    const costs *c = &s->costs;
+    const costs_form form = plan_form(p);
+    double all = 0, known = 0, expected = 0, terms[COSTS_TERMS], coefficients[COSTS_TERMS];
+    for (uint32_t i = 0; i < p->technique_count; ++i) {
+        const plan_technique *t = &p->techniques[i];
+        const double ms = time_of(&s->result, t->technique->id);
+        all += fmax(ms, 0);
+        if (!(ms > 0) || !is_typical(t) || costs_of(c, t->technique, form, coefficients) <= 0 ||
+            !costs_knows(c, t->technique, form))
+            continue;
+        costs_terms(t->technique, &p->stats, kept_by(p), terms);
+        known += ms;
+        expected += costs_expect(c, t->technique, form, coefficients, terms) * c->ns * 1e-6;
+    }
+    return expected > 0 && known >= PACED * all ? known / expected : 0;
 }
 
 int render_knows_frame(const strata *s) {

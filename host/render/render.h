@@ -227,6 +227,8 @@ typedef struct render_budget {
     costs costs;                  /* what the device's are, and what the frames add to them */
     double beside;                /* ms of a frame that are not its passes' */
     double ns;                    /* of a blended fragment, as frames took it; 0: as costs say */
+    double paces;                 /* of this plan's frames, summed, see render_frame_pace */
+    uint32_t paced;               /* and of how many */
     double deepest;               /* most fragments in one pixel that its frames reported */
     uint32_t replan;              /* 1: the next frame wants another plan */
     int prepared, recorded_again; /* the last frame was */
@@ -373,6 +375,9 @@ strata_result render_costs_load(strata *s, base_error *err);
 /* Adds the frame that just ended, its times divided by `pace`, to the device's costs or to those of
  * a sequence; 0: it is not typical, or passes are not timed. */
 int render_learn_frame(const strata *s, costs *c, double pace);
+/* How many times as long as usual it took, by those of its techniques that were measured on this
+ * device before; 0: unknown. */
+double render_frame_pace(const strata *s);
 /* Whether all of it that was timed was measured on this device before. */
 int render_knows_frame(const strata *s);
 /* What the frames of this render added: fits and saves it. */

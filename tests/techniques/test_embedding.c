@@ -162,6 +162,43 @@ static uint32_t learnt_frames(const strata *s) {
     return frames;
 }
 
+/* Where all was learnt on a device a hundred times slower, or as much faster, it is that much
+ * faster now, or slower; also where half of what runs is known. */
+static void the_pace_is_told_by_what_is_known(void **state) {
+    (void)state;
+    static const double slower[] = {100, 1, 0.01};
+    for (size_t i = 0; i < 2 * BASE_COUNT(slower); ++i) {
+        const strata_open_options options = {.struct_size = sizeof options, .cache_dir = ""};
+        base_error err = {0};
+        strata_render_options o = small;
+        strata *s = NULL;
+        assert_int_equal(strata_open(&options, &s), STRATA_OK);
+        strata_scene *sc = layers(s);
+        o.use = "abuffer,ppc";
+        o.repeat = 6;
+        o.learn = 1;
+        assert_int_equal(strata_render(s, sc, &o), STRATA_OK);
+        if (learnt_frames(s) == 0)
+            skip();
+        for (uint32_t k = 0; k < s->costs.count; ++k) {
+            for (uint32_t m = 0; m < s->costs.techniques[k].count; ++m)
+                s->costs.techniques[k].points[m].ms *= slower[i / 2];
+            if (i % 2 && strcmp(s->costs.techniques[k].name, "ppc") == 0)
+                s->costs.techniques[k].name[0] = '-'; /* is not known */
+        }
+        assert_int_equal(render_costs_fit(s, &s->costs, &err), STRATA_OK);
+        o.learn = 0;
+        assert_int_equal(strata_render(s, sc, &o), STRATA_OK);
+        const double pace = render_frame_pace(s) * slower[i / 2];
+        assert_int_equal(render_knows_frame(s), i % 2 == 0);
+        assert_true(pace > 0.1 && pace < 10);
+        for (uint32_t k = 0; k < s->costs.count; ++k)
+            s->costs.techniques[k].name[0] = '-';
+        assert_true(render_frame_pace(s) == 0);
+        strata_close(s);
+    }
+}
+
 /* What a plan expects is of the view that it was made for: others would be learnt as if they were
  * that one. */
 static void other_views_teach_nothing(void **state) {
@@ -469,6 +506,7 @@ int main(void) {
         cmocka_unit_test(unknown_options_are_refused),
         cmocka_unit_test(senseless_options_are_refused),
         cmocka_unit_test(what_is_learnt_is_in_the_usual_pace),
+        cmocka_unit_test(the_pace_is_told_by_what_is_known),
         cmocka_unit_test(other_views_teach_nothing),
         cmocka_unit_test(what_is_culled_teaches_nothing),
         cmocka_unit_test(a_budget_begins_late),
