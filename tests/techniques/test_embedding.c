@@ -162,11 +162,11 @@ static uint32_t learnt_frames(const strata *s) {
     return frames;
 }
 
-/* Where all was learnt on a device a hundred times slower, or as much faster, it is that much
+/* Where all was learnt on a device a thousand times slower, or as much faster, it is that much
  * faster now, or slower; also where half of what runs is known. */
 static void the_pace_is_told_by_what_is_known(void **state) {
     (void)state;
-    static const double slower[] = {100, 1, 0.01};
+    static const double slower[] = {1000, 1, 0.001};
     for (size_t i = 0; i < 2 * BASE_COUNT(slower); ++i) {
         const strata_open_options options = {.struct_size = sizeof options, .cache_dir = ""};
         base_error err = {0};
@@ -192,6 +192,11 @@ static void the_pace_is_told_by_what_is_known(void **state) {
         const double pace = render_frame_pace(s) * slower[i / 2];
         assert_int_equal(render_knows_frame(s), i % 2 == 0);
         assert_true(pace > 0.1 && pace < 10);
+        o.budget = 1e-3; /* is missed: the next plan expects of all what this one's frames told */
+        o.repeat = 8;
+        assert_true(strata_render(s, sc, &o) >= STRATA_OK);
+        const double expects = s->budget.ns / s->costs.ns * slower[i / 2];
+        assert_true(i % 2 == 0 || (expects > 0.1 && expects < 10));
         for (uint32_t k = 0; k < s->costs.count; ++k)
             s->costs.techniques[k].name[0] = '-';
         assert_true(render_frame_pace(s) == 0);
