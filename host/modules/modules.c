@@ -283,3 +283,11 @@ const char *const *modules_opened(const modules *m, uint32_t *count) {
     *count = (uint32_t)m->opened_count;
     return m->opened;
 }
+
+const strata_slot_use *modules_slot(const modules_technique_note *note, const char *slot,
+                                    uint32_t use) {
+    for (uint32_t i = 0; i < note->slot_count; i++)
+        if (strcmp(note->slots[i]->slot, slot) == 0 && (use == 0 || note->slots[i]->use == use))
+            return note->slots[i];
+    return NULL;
+}

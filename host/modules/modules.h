@@ -37,6 +37,10 @@ typedef struct modules_technique_note {
     const char *const *prefers; /* NULL-terminated, or NULL */
 } modules_technique_note;
 
+/* How a technique uses this slot, as `use` says (0 = in any way); NULL: it does not. */
+const strata_slot_use *modules_slot(const modules_technique_note *note, const char *slot,
+                                    uint32_t use);
+
 typedef struct modules_effect_note {
     const modules_note *module;
     const char *id;

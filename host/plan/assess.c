@@ -44,14 +44,6 @@ int plan_host_fills(const char *slot) {
     return 0;
 }
 
-const strata_slot_use *plan_slot(const modules_technique_note *note, const char *slot,
-                                 uint32_t use) {
-    for (uint32_t i = 0; i < note->slot_count; i++)
-        if (strcmp(note->slots[i]->slot, slot) == 0 && (use == 0 || note->slots[i]->use == use))
-            return note->slots[i];
-    return NULL;
-}
-
 void plan_reason(plan_candidate *c, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
@@ -166,7 +158,7 @@ static void check_stage(plan_candidate *c) {
         return;
     }
     const struct stage_row *row = &stages[c->role];
-    if (row->slot && !plan_slot(c->note, row->slot, row->use)) {
+    if (row->slot && !modules_slot(c->note, row->slot, row->use)) {
         plan_reason(c, "its stage is %s, but it does not %s %s", row->stage, uses[row->use],
                     row->slot);
         block(c);
@@ -187,7 +179,7 @@ static void check_needs(const plan_work *w, plan_candidate *c) {
 static int someone_produces(const plan_work *w, const plan_candidate *self, const char *slot) {
     for (uint32_t i = 0; i < w->count; i++)
         if (&w->candidates[i] != self && !w->candidates[i].blocked &&
-            plan_slot(w->candidates[i].note, slot, STRATA_SLOT_PRODUCES))
+            modules_slot(w->candidates[i].note, slot, STRATA_SLOT_PRODUCES))
             return 1;
     return 0;
 }

@@ -84,7 +84,7 @@ double plan_filter_cost(const plan_work *w, const plan_candidate *fold) {
         least = c->named ? c->cost : named ? least : fmin(least, c->cost);
         named |= c->named;
     }
-    const int fuses = !named && plan_slot(fold->note, "image/1", STRATA_SLOT_PRODUCES);
+    const int fuses = !named && modules_slot(fold->note, "image/1", STRATA_SLOT_PRODUCES);
     return w->in->samples > 1 && !fuses && least < HUGE_VAL ? least : 0.0;
 }
 
@@ -97,7 +97,7 @@ static const plan_candidate *fusing_fold(const plan_work *w) {
         if (c->role == PLAN_FILTER && c->named)
             return NULL;
         if (c->chosen && c->role != PLAN_FILTER &&
-            plan_slot(c->note, "image/1", STRATA_SLOT_PRODUCES))
+            modules_slot(c->note, "image/1", STRATA_SLOT_PRODUCES))
             found = c;
     }
     return found;
@@ -137,8 +137,8 @@ static int is_read(const plan_work *w, const char *slot) {
         return 1;
     for (uint32_t i = 0; i < w->count; i++) {
         const plan_candidate *c = &w->candidates[i];
-        if (c->chosen && (plan_slot(c->note, slot, STRATA_SLOT_CONSUMES) ||
-                          plan_slot(c->note, slot, STRATA_SLOT_UPDATES)))
+        if (c->chosen && (modules_slot(c->note, slot, STRATA_SLOT_CONSUMES) ||
+                          modules_slot(c->note, slot, STRATA_SLOT_UPDATES)))
             return 1;
     }
     return 0;
@@ -179,7 +179,8 @@ static strata_result choose_optional(plan_work *w) {
 
 static const plan_candidate *chosen_producer(const plan_work *w, const char *slot) {
     for (uint32_t i = 0; i < w->count; i++)
-        if (w->candidates[i].chosen && plan_slot(w->candidates[i].note, slot, STRATA_SLOT_PRODUCES))
+        if (w->candidates[i].chosen &&
+            modules_slot(w->candidates[i].note, slot, STRATA_SLOT_PRODUCES))
             return &w->candidates[i];
     return NULL;
 }
@@ -189,7 +190,7 @@ static strata_result add_producer(plan_work *w, const plan_candidate *consumer, 
     for (uint32_t i = 0; i < w->count; i++) {
         plan_candidate *c = &w->candidates[i];
         if (c->blocked || c == consumer || c->role == PLAN_CAPTURE || c->role == PLAN_RESOLVE ||
-            c->role == PLAN_STREAM || !plan_slot(c->note, slot, STRATA_SLOT_PRODUCES))
+            c->role == PLAN_STREAM || !modules_slot(c->note, slot, STRATA_SLOT_PRODUCES))
             continue;
         if (!best || (c->named && !best->named) ||
             (c->named == best->named && known(c->cost) < known(best->cost)))

@@ -142,7 +142,7 @@ strata_result plan_choose_clip(plan_work *w) {
                 return base_fail(w->err, STRATA_ERROR_INVALID_ARGUMENT, "--use: %s cannot run: %s",
                                  c->note->id, c->reason);
         } else if (!c->named && !taken &&
-                   plan_slot(holder->note, "limit/1", STRATA_SLOT_CONSUMES)) {
+                   modules_slot(holder->note, "limit/1", STRATA_SLOT_CONSUMES)) {
             weigh(w, c, holder);
             taken = c->chosen;
         }
@@ -164,7 +164,7 @@ void plan_settle_clip(plan_work *w) {
     const costs_form all = plan_form(p);
     for (uint32_t i = 0; i < w->count && holder; i++)
         p->clipped |= w->candidates[i].chosen && w->candidates[i].role == PLAN_CLIP &&
-                      plan_slot(holder->note, "limit/1", STRATA_SLOT_CONSUMES);
+                      modules_slot(holder->note, "limit/1", STRATA_SLOT_CONSUMES);
     const costs_form some = plan_form(p);
     if (!p->clipped || w->in->tolerance > 0.0 || !costs_knows(w->in->costs, holder->note, some))
         return;

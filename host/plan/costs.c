@@ -11,14 +11,6 @@
 
 /* ---- terms ----------------------------------------------------------------------------------- */
 
-static const strata_slot_use *names(const modules_technique_note *note, const char *slot,
-                                    uint32_t use) {
-    for (uint32_t i = 0; i < note->slot_count; i++)
-        if (strcmp(note->slots[i]->slot, slot) == 0 && (use == 0 || note->slots[i]->use == use))
-            return note->slots[i];
-    return NULL;
-}
-
 static int is_stage(const modules_technique_note *note, const char *stage) {
     return note->stage && strcmp(note->stage, stage) == 0;
 }
@@ -51,9 +43,10 @@ void costs_terms(const modules_technique_note *note, const strata_scene_stats *s
     double fragments = folds ? stats->transparent_fragments : 0.0, mean = stats->mean_depth;
     double pixels = folds ? stats->covered_pixels : (double)stats->width * (double)stats->height;
     double triangles = 0.0, depth = stats->largest_depth;
-    if (names(note, "draws.opaque/1", 0) || names(note, "draws.opaque.all/1", 0))
+    if (modules_slot(note, "draws.opaque/1", 0) || modules_slot(note, "draws.opaque.all/1", 0))
         triangles += (double)stats->opaque_triangles;
-    if (names(note, "draws.transparent/1", 0) || names(note, "draws.transparent.all/1", 0))
+    if (modules_slot(note, "draws.transparent/1", 0) ||
+        modules_slot(note, "draws.transparent.all/1", 0))
         triangles += (double)stats->transparent_triangles;
     if (resolve && nearest > 0.0) {
         fragments = fmin(fragments, kept);
@@ -72,7 +65,7 @@ void costs_terms(const modules_technique_note *note, const strata_scene_stats *s
         [COSTS_DEPTH_PIXEL] = depth * pixels,
         [COSTS_DEPTH_FRAGMENT] = depth * fragments,
         [COSTS_DEPTH_TRIANGLE] = depth * triangles,
-        [COSTS_OBJECT] = names(note, "objects/1", 0) ? (double)stats->opaque_objects : 0.0,
+        [COSTS_OBJECT] = modules_slot(note, "objects/1", 0) ? (double)stats->opaque_objects : 0.0,
         [COSTS_KEPT] = holds ? kept : 0.0,
     };
     memcpy(terms, all, sizeof all);
@@ -112,11 +105,11 @@ const char *costs_payload_name(uint32_t payload) {
 }
 
 void costs_name(const modules_technique_note *note, costs_form form, char name[COSTS_NAME]) {
-    const int meets = names(note, "fragments/1", 0) != NULL,
+    const int meets = modules_slot(note, "fragments/1", 0) != NULL,
               stores = meets || costs_payload_knob(note) >= 0;
     const int linked = meets && form.layout == STRATA_FRAGMENTS_LINKED,
               packed = stores && form.payload > 0 && form.payload < COSTS_PAYLOADS,
-              clipped = form.clipped && names(note, "limit/1", STRATA_SLOT_CONSUMES) != NULL;
+              clipped = form.clipped && modules_slot(note, "limit/1", STRATA_SLOT_CONSUMES) != NULL;
     snprintf(name, COSTS_NAME, "%.63s%s%s%s%s", note->id, linked ? ".linked" : "",
              packed ? "." : "", packed ? costs_payload_name(form.payload) : "",
              clipped ? ".clipped" : "");

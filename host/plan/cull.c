@@ -12,7 +12,7 @@
 #define MARGIN 1.25
 
 static int draws(const plan_candidate *c) {
-    return c->chosen && plan_slot(c->note, "draws.opaque/1", STRATA_SLOT_CONSUMES) != NULL;
+    return c->chosen && modules_slot(c->note, "draws.opaque/1", STRATA_SLOT_CONSUMES) != NULL;
 }
 
 /* What it costs this one to draw that share of the opaque triangles, and to shade what others
@@ -45,7 +45,7 @@ static void save(plan_work *w, double share) {
 static double share_of(const plan_work *w, const plan_candidate *c) {
     const strata_scene_stats *stats = w->in->stats;
     double gone = stats->outside_triangles;
-    if (plan_slot(c->note, "depth/1", STRATA_SLOT_CONSUMES))
+    if (modules_slot(c->note, "depth/1", STRATA_SLOT_CONSUMES))
         gone += stats->hidden_triangles;
     return gone > 0.0 ? fmin(gone / (double)stats->opaque_triangles, 1.0) : 0.0;
 }
@@ -79,8 +79,8 @@ void plan_choose_cull(plan_work *w) {
     for (uint32_t i = 0; i < w->count; i++) {
         plan_candidate *c = &w->candidates[i];
         if (c->role != PLAN_DRAWS || c->blocked ||
-            !plan_slot(c->note, "objects/1", STRATA_SLOT_UPDATES) ||
-            !plan_slot(c->note, "draws.opaque/1", STRATA_SLOT_UPDATES))
+            !modules_slot(c->note, "objects/1", STRATA_SLOT_UPDATES) ||
+            !modules_slot(c->note, "draws.opaque/1", STRATA_SLOT_UPDATES))
             continue;
         if (!c->named) {
             weigh(w, c);

@@ -169,8 +169,8 @@ static int eligible(const plan_work *w, plan_candidate *c) {
 /* Layouts, a bit each; a slot that names none means contiguous. */
 static uint32_t both_know(const modules_technique_note *capture,
                           const modules_technique_note *resolve) {
-    const strata_slot_use *from = plan_slot(capture, "fragments/1", STRATA_SLOT_PRODUCES);
-    const strata_slot_use *to = plan_slot(resolve, "fragments/1", STRATA_SLOT_CONSUMES);
+    const strata_slot_use *from = modules_slot(capture, "fragments/1", STRATA_SLOT_PRODUCES);
+    const strata_slot_use *to = modules_slot(resolve, "fragments/1", STRATA_SLOT_CONSUMES);
     const uint32_t contiguous = 1u << STRATA_FRAGMENTS_CONTIGUOUS;
     return (from->layouts ? from->layouts : contiguous) & (to->layouts ? to->layouts : contiguous);
 }

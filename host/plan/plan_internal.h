@@ -137,8 +137,6 @@ strata_result plan_collect(plan_work *w); /* candidates, with roles */
 strata_result plan_price(plan_work *w);   /* and with costs, once settings are known */
 strata_result plan_assess(plan_work *w);  /* what is named, and what is blocked */
 plan_candidate *plan_candidate_find(const plan_work *w, const char *id);
-const strata_slot_use *plan_slot(const modules_technique_note *note, const char *slot,
-                                 uint32_t use); /* NULL: it has no such use; use 0 = any */
 const plan_price_in *plan_price_at(const plan_candidate *c, costs_form form);
 /* In this form, where what holds a pixel's fragments keeps the nearest so many, 0 = all;
  * PLAN_NO_COST. */

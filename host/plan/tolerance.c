@@ -86,7 +86,7 @@ strata_result plan_trade(plan_work *w) {
 }
 
 int plan_certifies(const plan_candidate *c) {
-    return c->role == PLAN_CAPTURE || plan_slot(c->note, "bound/1", STRATA_SLOT_UPDATES) != NULL;
+    return c->role == PLAN_CAPTURE || modules_slot(c->note, "bound/1", STRATA_SLOT_UPDATES) != NULL;
 }
 
 /* From what pixels begin with they at most double, until those that need most have it. */

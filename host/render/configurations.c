@@ -146,10 +146,7 @@ static strata_result try_with_clips(search *q, combination c, base_error *err) {
 
 /* Knobs of what draws, where it may paint over the picture, are there to look at something else. */
 static int shows(const plan_variant *v) {
-    for (uint32_t i = 0; v->settings[0][0] && i < v->technique->slot_count; ++i)
-        if (strcmp(v->technique->slots[i]->slot, "color/1") == 0)
-            return 1;
-    return 0;
+    return v->settings[0][0] && modules_slot(v->technique, "color/1", 0);
 }
 
 static strata_result try_all(search *q, base_error *err) {

@@ -78,20 +78,14 @@ static double kept_by(const plan *p) {
     return 0;
 }
 
-static int uses(const modules_technique_note *t, uint32_t use, const char *slot) {
-    for (uint32_t i = 0; i < t->slot_count; ++i)
-        if (t->slots[i]->use == use && strcmp(t->slots[i]->slot, slot) == 0)
-            return 1;
-    return 0;
-}
-
 /* Whether objects that it draws were culled before: then it costs less than what its terms say. */
 static int is_culled(const plan *p, const modules_technique_note *t) {
     static const char *const draws[] = {"draws.opaque/1", "draws.transparent/1"};
     for (size_t d = 0; d < BASE_COUNT(draws); ++d)
-        for (uint32_t i = 0; uses(t, STRATA_SLOT_CONSUMES, draws[d]) && i < p->technique_count; ++i)
-            if (uses(p->techniques[i].technique, STRATA_SLOT_UPDATES, draws[d]) &&
-                uses(p->techniques[i].technique, STRATA_SLOT_UPDATES, "objects/1"))
+        for (uint32_t i = 0;
+             modules_slot(t, draws[d], STRATA_SLOT_CONSUMES) && i < p->technique_count; ++i)
+            if (modules_slot(p->techniques[i].technique, draws[d], STRATA_SLOT_UPDATES) &&
+                modules_slot(p->techniques[i].technique, "objects/1", STRATA_SLOT_UPDATES))
                 return 1;
     return 0;
 }
@@ -120,8 +114,7 @@ int render_learn_frame(const strata *s, costs *c, double pace) {
     return learnt;
 }
 
-#define PACED                                                                                      \
-    0.25 /* of a frame's time must be of what is known, or that tells nothing of the rest */
+#define PACED 0.25 /* of a frame's time, at least, tells the pace of all */
 
 double render_frame_pace(const strata *s) {
     const plan *p = s->session->plan;

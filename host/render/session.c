@@ -420,10 +420,8 @@ static strata_result create_targets(render_session *session, base_error *err) {
 static uint32_t someone_names(const render_session *session, const char *stage, const char *slot) {
     for (uint32_t i = 0; i < session->plan->technique_count; ++i) {
         const modules_technique_note *note = session->plan->techniques[i].technique;
-        for (uint32_t k = 0; k < note->slot_count; ++k)
-            if ((!stage || strcmp(note->stage, stage) == 0) &&
-                strcmp(note->slots[k]->slot, slot) == 0)
-                return 1;
+        if ((!stage || strcmp(note->stage, stage) == 0) && modules_slot(note, slot, 0))
+            return 1;
     }
     return 0;
 }
