@@ -19,11 +19,12 @@
 
 #define SWEEP_FORMAT    "strata-sweep/3"
 #define SWEEP_MAX_CASES 16
-#define SWEEP_VISIT     3u          /* frames measured before another configuration has its turn */
-#define SWEEP_WARMUP    2u          /* frames before them */
-#define SWEEP_DISTURBED 1.25        /* of the usual pace: worth another visit */
-#define SWEEP_SLOW      1000.0      /* ms of a frame: one before and one measured will do */
-#define SWEEP_PICTURE   256u        /* longest side of a picture in the report */
+#define SWEEP_VISIT     3u     /* frames measured before another configuration has its turn */
+#define SWEEP_WARMUP    2u     /* frames before them */
+#define SWEEP_DISTURBED 1.25   /* of the usual pace: worth another visit */
+#define SWEEP_SLOW      1000.0 /* ms of a frame: one before and one measured will do */
+#define SWEEP_FAR       4.0    /* times as long as what is no less accurate: one visit will do */
+#define SWEEP_PICTURE   256u   /* longest side of a picture in the report */
 #define SWEEP_ENOUGH    (1.0 / 255) /* an error that a display of 8 bits does not show */
 
 typedef struct sweep_place { /* one case: what is rendered */
@@ -120,6 +121,9 @@ double sweep_pace_usual(const json_t *one, double now);
 
 /* ---- sweep_judge.c --------------------------------------------------------------------------- */
 double sweep_median(double *values, size_t count); /* sorts them; 0 of none */
+/* The largest error, and the certificate; infinite: there is none, or somewhere none. */
+double sweep_measured(const json_t *configuration);
+double sweep_certified(const json_t *configuration);
 /* Figures, front, words and "violations" of the whole, anew from what was measured. */
 void sweep_judge(json_t *root);
 

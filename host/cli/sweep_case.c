@@ -280,6 +280,39 @@ static int visit_again(sweep *w, size_t at, const sweep_place *place, uint32_t r
     return status;
 }
 
+static double first_visit(const json_t *c) {
+    double values[SWEEP_VISIT];
+    size_t i, count = 0;
+    const json_t *value;
+    json_array_foreach(json_array_get(cli_array(c, "rounds"), 0), i, value) {
+        if (count < SWEEP_VISIT)
+            values[count++] = json_number_value(value);
+    }
+    return sweep_median(values, count);
+}
+
+/* Whether another is much faster, and no less accurate. */
+static int is_far(const json_t *list, const json_t *c) {
+    const double ms = first_visit(c), measured = sweep_measured(c), certified = sweep_certified(c);
+    size_t i;
+    const json_t *other;
+    if (!*cli_get(c, "use"))
+        return 0; /* the plan's own choice is what the others are beside */
+    json_array_foreach(list, i, other) {
+        const double theirs = first_visit(other);
+        if (theirs > 0 && ms > SWEEP_FAR * theirs && sweep_measured(other) <= measured &&
+            sweep_certified(other) <= certified)
+            return 1;
+    }
+    return 0;
+}
+
+/* Whether it is to be measured in this round. */
+static int has_turn(const json_t *list, const json_t *c, uint32_t round) {
+    const size_t visits = json_array_size(json_object_get(c, "rounds"));
+    return is_open(c) && visits <= round && !(visits > 0 && is_far(list, c));
+}
+
 static int measure_round(sweep *w, size_t at, const sweep_place *place, uint32_t round) {
     const json_t *list = json_object_get(case_at(w, at), "configurations");
     const size_t count = json_array_size(list);
@@ -291,7 +324,7 @@ static int measure_round(sweep *w, size_t at, const sweep_place *place, uint32_t
     for (size_t i = 0; i < count && status == CLI_DONE; i++) {
         const json_t *c = json_array_get(list, order[i]);
         w->done++;
-        if (!is_open(c) || json_array_size(json_object_get(c, "rounds")) > round)
+        if (!has_turn(list, c, round))
             continue;
         visits++;
         status = visit(w, at, order[i], place, round);
@@ -301,10 +334,10 @@ static int measure_round(sweep *w, size_t at, const sweep_place *place, uint32_t
 }
 
 static int has_visits(const sweep *w, size_t at) {
+    const json_t *list = json_object_get(case_at(w, at), "configurations"), *c;
     size_t i;
-    const json_t *c;
-    json_array_foreach(json_object_get(case_at(w, at), "configurations"), i, c) {
-        if (is_open(c) && json_array_size(json_object_get(c, "rounds")) < sweep_rounds(w->options))
+    json_array_foreach(list, i, c) {
+        if (has_turn(list, c, sweep_rounds(w->options) - 1))
             return 1;
     }
     return 0;

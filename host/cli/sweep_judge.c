@@ -107,8 +107,7 @@ static int is_exact(const judged *j, const json_t *c) {
                          (keeps == 0 || keeps >= j->depth) && (holds == 0 || holds >= j->depth));
 }
 
-/* Infinite: none, or somewhere none. */
-static double measured_of(const json_t *c) {
+double sweep_measured(const json_t *c) {
     const json_t *max = json_object_get(json_object_get(c, "error"), "max");
     return json_is_number(max) ? json_number_value(max) : INFINITY;
 }
@@ -118,13 +117,13 @@ static double violations_of(const json_t *c) {
     return cli_number(json_object_get(c, "error"), "violations");
 }
 
-static double certified_of(const json_t *c) {
+double sweep_certified(const json_t *c) {
     const json_t *max = json_object_get(json_object_get(c, "bound"), "max");
     return json_is_number(max) && violations_of(c) == 0 ? json_number_value(max) : INFINITY;
 }
 
 static int has_other_bits(const json_t *c) {
-    return json_is_true(json_object_get(c, "bits")) && !(measured_of(c) == 0);
+    return json_is_true(json_object_get(c, "bits")) && !(sweep_measured(c) == 0);
 }
 
 /* By what it promises, and the picture does not belie it. */
@@ -176,8 +175,8 @@ static void add_figures(const judged *j) {
                             j->floor_ms > 0 && is_measured(c)
                                 ? json_real(cli_number(c, "ms") / j->floor_ms)
                                 : json_null());
-        json_object_set_new(c, "front", json_boolean(is_front(j, c, measured_of)));
-        json_object_set_new(c, "front_certified", json_boolean(is_front(j, c, certified_of)));
+        json_object_set_new(c, "front", json_boolean(is_front(j, c, sweep_measured)));
+        json_object_set_new(c, "front_certified", json_boolean(is_front(j, c, sweep_certified)));
     }
 }
 
@@ -213,7 +212,7 @@ static void check(const judged *j, const json_t *c) {
     if (violations_of(c) > 0)
         violate(j, c, "channels farther from the exact image than certified", violations_of(c));
     if (exact && has_other_bits(c))
-        violate(j, c, "not the bits of the exact image, off by at most", measured_of(c));
+        violate(j, c, "not the bits of the exact image, off by at most", sweep_measured(c));
     if (exact && !bits && cli_number(error, "uncertified_pixels") > 0)
         violate(j, c, "exact, but pixels are uncertified", cli_number(error, "uncertified_pixels"));
 }
@@ -251,8 +250,8 @@ static void say_exact(const judged *j, const json_t *exact) {
 
 static void say_enough(const judged *j) {
     char cost[40];
-    const json_t *certified = fastest(j, certified_of, SWEEP_ENOUGH),
-                 *measured = fastest(j, measured_of, SWEEP_ENOUGH);
+    const json_t *certified = fastest(j, sweep_certified, SWEEP_ENOUGH),
+                 *measured = fastest(j, sweep_measured, SWEEP_ENOUGH);
     if (certified && exactness_of(certified) == 0)
         say(j, json_string("An error of 1/255, certified, costs no less than exact."));
     else if (certified)
@@ -324,7 +323,7 @@ static void say_front(const judged *j) {
     for (const json_t *c = next_on_front(j, NULL); c; c = next_on_front(j, c)) {
         const int length =
             snprintf(part, sizeof part, "%s%.150s (%s, off by %.2g)", text.length ? "; " : "",
-                     cli_get(c, "name"), cost_of(j, c, cost), measured_of(c));
+                     cli_get(c, "name"), cost_of(j, c, cost), sweep_measured(c));
         cli_text_write(&text, part, (size_t)length);
     }
     if (text.length)

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#define LOW 0.9 /* of the target: from there to BUDGET_NEAR a level stays */
+#define LOW 0.95 /* of the target: from there to BUDGET_NEAR a level is settled for */
 
 /* Of the target: a frame that takes so much longer is believed at once, others twice, for what
  * disturbs one may double it; and one that takes so much less, others three times: two may be fast
@@ -15,7 +15,7 @@
 #define DOUBT_LATE  4.0
 #define DOUBT_EARLY 2.0
 
-#define AIM     0.95 /* of the target: it shall be met, not missed by a little */
+#define AIM     0.95 /* of the target, from above: it shall be met, not missed by a little */
 #define LARGEST 4.0  /* factor between two levels */
 #define ALIKE   0.25 /* of a time: another differs by noise */
 #define TWISTED 2.0  /* factor between the steepness of times and what is expected */
@@ -48,9 +48,9 @@ static double steepness(const budget_rule *r) {
 
 /* By that line; where none rises, as far as may be. */
 static double propose(const budget_rule *r) {
-    const double slope = steepness(r);
+    const double slope = steepness(r), aim = r->ms > r->target ? AIM * r->target : r->target;
     if (slope > 0.0)
-        return r->level + (AIM * r->target - r->ms) / slope;
+        return r->level + (aim - r->ms) / slope;
     return r->ms > r->target ? r->level / LARGEST : r->level * LARGEST;
 }
 
@@ -137,7 +137,7 @@ static int stays(const budget_rule *r) {
     if (r->settled_ms > BUDGET_NEAR * r->target)
         return r->ms <= r->settled_ms * OTHER && r->ms * OTHER >= r->settled_ms;
     const double early =
-        r->settled_ms >= LOW * r->target ? r->target * LOW / BUDGET_MET : r->settled_ms / OTHER;
+        r->settled_ms >= LOW * r->target ? r->target * LOW / BUDGET_NEAR : r->settled_ms / OTHER;
     return r->ms <= late && r->ms >= early;
 }
 
@@ -152,7 +152,7 @@ int budget_measure(budget_rule *r, double ms) {
     }
     if (r->trying && r->frames < SURE && r->ms <= BUDGET_MET * r->target)
         return 0;
-    const double most = r->trying ? r->target : BUDGET_NEAR * r->target;
+    const double most = BUDGET_NEAR * r->target;
     if (r->ms >= LOW * r->target && r->ms <= most) {
         r->settled_ms = r->ms;
         succeed(r);
@@ -163,7 +163,7 @@ int budget_measure(budget_rule *r, double ms) {
     if (r->ms < r->target && r->ms * DOUBT_EARLY >= r->target && r->frames < 3)
         return 0;
     bracket(r);
-    if (r->trying && r->ms > r->target)
+    if (r->trying && r->ms > most)
         return give_back(r);
     succeed(r);
     const double next = next_level(r);
@@ -186,11 +186,14 @@ static void forget(budget_watch *w) {
     w->stuck = 0;
 }
 
-void budget_planned(budget_watch *w, const budget_rule *rule) {
+void budget_planned(budget_watch *w, const budget_rule *rule, double exact) {
     forget(w);
     w->turns = rule != NULL;
-    if (rule)
-        w->rule = *rule;
+    if (!rule)
+        return;
+    w->rule = *rule;
+    if (exact > 0.0 && !w->late && !w->retried)
+        w->rule.maximum = fmin(fmax(exact, rule->level), rule->maximum);
 }
 
 void budget_take(budget_watch *w, double ms) {

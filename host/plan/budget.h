@@ -51,7 +51,7 @@ typedef struct budget_watch {
     uint32_t judged;              /* of them, since then, at most BUDGET_RECENT */
     uint32_t late;       /* bit i: frames that keep all at STRATA_PAYLOAD_ i take too long */
     uint32_t replans;    /* asked for */
-    uint32_t retried;    /* 1: exactness was weighed again, at the most that the knob takes */
+    uint32_t retried;    /* 1: exactness was weighed again, where no more was to be kept */
     uint32_t stuck;      /* 1: the least was set and takes too long */
     uint32_t least_late; /* 1: so it was with this plan, or one before */
     uint32_t early;      /* frames in a row with room for another */
@@ -66,8 +66,9 @@ typedef enum budget_step {
     BUDGET_REPLANS /* the next frame wants another plan */
 } budget_step;
 
-/* The frames to come have another plan; rule is copied, NULL: it turns nothing. */
-void budget_planned(budget_watch *watch, const budget_rule *rule);
+/* The frames to come have another plan; rule is copied, NULL: it turns nothing. exact: the level
+ * from which on an exact way is expected to take no longer, which is weighed there; 0: none. */
+void budget_planned(budget_watch *watch, const budget_rule *rule, double exact);
 /* Takes the time of a frame that says something. */
 void budget_take(budget_watch *watch, double ms);
 /* What frames take: the second fastest of the recent ones, of two or one the fastest, for what

@@ -404,6 +404,7 @@ static strata_result choose_within(plan_search *s) {
     const int exact = s->best.fold && plan_way_is_exact(&s->best);
     const way exact_way = s->best;
     const int late = (int)(w->in->late >> exact_way.form.payload & 1u);
+    s->exact = exact ? exact_way : (way){0};
     s->room = plan_room(w);
     if (exact && !late && plan_fits(&exact_way, s->room))
         return STRATA_OK;
@@ -482,7 +483,7 @@ strata_result plan_choose_fold(plan_work *w) {
     s.best.fold->reason[0] = '\0';
     if (s.best.capture)
         s.best.capture->reason[0] = '\0';
-    plan_settle_budget(w, &s.best);
+    plan_settle_budget(w, &s.best, &s.exact);
     pay_parts(w, &s.best);
     plan_describe_fold(&s);
     if (plan_has_budget(w->in))

@@ -138,6 +138,7 @@ typedef struct plan {
     uint32_t turned_knob;
     double turned_least, turned_most;
     double turned_each;       /* what a step of the knob costs; 0: unknown */
+    double turned_exact;      /* from there on an exact way is expected to cost no more; 0: never */
     double cost;              /* of all that runs, PLAN_NO_COST when unknown */
     double ms;                /* that it is expected to take; PLAN_NO_COST when unknown */
     char measured_on[256];    /* device that `points` are of, "" when nothing was measured */

@@ -128,8 +128,9 @@ double plan_alike(double fastest, double room);
 /* Sets keeps, cost and error to the most that fits into `room`; 0: even the least does not, and
  * that is what they are set to. */
 int plan_fit_way(const plan_work *w, plan_way *candidate, double room);
-/* Sets the way's holder to what it keeps and how it stores it, and notes what is turned. */
-void plan_settle_budget(plan_work *w, const plan_way *chosen);
+/* Sets the way's holder to what it keeps and how it stores it, and notes what is turned. exact: the
+ * cheapest way that keeps all, fold NULL: there is none. */
+void plan_settle_budget(plan_work *w, const plan_way *chosen, const plan_way *exact);
 void plan_explain_budget(plan_work *w, const plan_way *chosen);
 
 /* ---- assess.c */

@@ -173,7 +173,16 @@ static double each_of(const plan_work *w, const plan_way *chosen) {
     return isfinite(each) && each > 0.0 ? each : 0.0;
 }
 
-void plan_settle_budget(plan_work *w, const plan_way *chosen) {
+/* From which step on the ladder is no cheaper than the exact way; 0: from none. */
+static double exact_from(const plan_work *w, const plan_way *chosen, const plan_way *exact) {
+    const ladder l = climb(w, chosen);
+    for (int i = 0; exact->fold && i < l.count; i++)
+        if (l.cost[i] + chosen->beside >= plan_whole(exact))
+            return l.keeps[i];
+    return 0.0;
+}
+
+void plan_settle_budget(plan_work *w, const plan_way *chosen, const plan_way *exact) {
     plan_candidate *holder = plan_holder(chosen);
     const int payload = costs_payload_knob(holder->note), count = costs_count_knob(holder->note);
     if (payload >= 0)
@@ -186,6 +195,7 @@ void plan_settle_budget(plan_work *w, const plan_way *chosen) {
     w->out->turned_least = least(holder);
     w->out->turned_most = most(w, holder);
     w->out->turned_each = each_of(w, chosen);
+    w->out->turned_exact = exact_from(w, chosen, exact);
 }
 
 /* Adds to the reason of what holds. */

@@ -73,7 +73,7 @@ void render_budget_planned(strata *s) {
                                           base_of(&s->budget, p));
     s->budget.replan = s->budget.paced = 0;
     s->budget.paces = 0;
-    budget_planned(w, p->turned ? &rule : NULL);
+    budget_planned(w, p->turned ? &rule : NULL, p->turned_exact);
     if (w->asked > 0)
         name_plan(&s->budget, p);
 }

@@ -11,9 +11,9 @@ it measures, interleaved, each in a process of its own with the camera turned by
   met within 15 % after at most ten frames, by all of them and by those with the setting that most of the last
   plan's last frames had, and what is certified with that, beside the best that the sweep knows for so much time. Those of
   its configurations that nothing else beats in both time and certificate are measured again for that, right
-  after, interleaved with what the plan ended with: as much as that is slower or faster now than it was in the
-  sequence (`pace`), so are they. Null where none of them is in time, itself without those 15 %: the budget may
-  be more than the device can meet.
+  after, in two rounds, interleaved with what the plan ended with: as much as that is slower or faster then than
+  it was in the sequence (`pace`), so are they. Null where none of them is in time in both rounds, itself without
+  those 15 %: the budget may be more than the device can meet.
 
 What the processors lost to other machines on the same host, where Linux says so, is the share `stolen`: what
 is measured while that is more than 2 % is measured again, up to ten times, and the least disturbed is taken.
@@ -155,17 +155,21 @@ def budget(strata, own, reference, share, points):
     last = statistics.median([f["ms"] for f in ended_with if f["value"] == value and f["judged"]] or frames[-1:])
     settled = max(statistics.median(frames[SETTLED:]), last)
     ended = own + settings_of(account, value)
-    ms = race(strata, {"ended": ended} | {c["name"]: command_of(c) for c in points}, 2)
-    pace = last / ms.pop("ended")
-    ms = {name: pace * t for name, t in ms.items()}
-    within = [c for c in points if ms[c["name"]] <= asked]
+    commands, rounds = [("ended", ended)] + [(c["name"], command_of(c)) for c in points], []
+    for order in commands, commands[::-1]:
+        ms = race(strata, dict(order), 1)
+        slower = last / ms["ended"]
+        rounds.append({name: slower * t for name, t in ms.items()} | {"ended": ms["ended"]})
+    pace = last / statistics.mean(r.pop("ended") for r in rounds)
+    ms = {name: [r[name] for r in rounds] for name in rounds[0]}
+    within = [c for c in points if max(ms[c["name"]]) <= asked]
     best = min(within, key=lambda c: c["bound"]["max"], default=None)
     bound = largest_bound(strata.render(ended, "--bound", os.path.join(strata.folder, "b.exr"), turn=False))
     return {"share": share, "asked_ms": asked, "frames_ms": frames, "settled_ms": settled,
             "of_budget": settled / asked, "met": settled <= WITHIN * asked,
             "plans": account["budget"]["plans"], "course": [[f["plan"], f["value"]] for f in course], "chosen": chosen(account), "value": value, "certified": bound,
             "stolen": stolen, "pace": pace, "points_ms": ms,
-            "sweep_knows": best and {"name": best["name"], "ms": ms[best["name"]],
+            "sweep_knows": best and {"name": best["name"], "ms": max(ms[best["name"]]),
                                      "certified": best["bound"]["max"]},
             "of_best": bound / best["bound"]["max"] if bound and best else None}
 
