@@ -8,14 +8,17 @@
  *    Structs grow only at their end. A reader uses the smaller of the sender's and its own size and
  *    takes what is missing as zero; zero is a sensible default everywhere. Members that a reader does
  *    not know and that are not zero it refuses, INVALID_ARGUMENT: nothing is ignored in silence.
- *  - Arrays of structs are arrays of pointers; nothing that may grow is embedded by value.
+ *    No struct is shorter than in ABI 1.0: that is refused, too. Handles, which are one number, and
+ *    strata_glsl never grow and have no struct_size.
+ *  - Arrays of structs are arrays of pointers, or stand beside the bytes from one element to the next
+ *    (the binds and attachments of a pass); nothing that may grow is embedded by value.
  *  - Fixed-width integers, float, double and pointers only; padding is explicit and zero.
  *  - Text is UTF-8 and NUL-terminated. A `const char *` that is passed in is read during the call
  *    only, unless its comment says otherwise.
  *  - A call that can fail returns strata_result; neither side aborts, exits, raises signals or
  *    changes the locale, the floating-point environment or the working directory.
- *  - Unless a comment says otherwise, functions are called from the thread that opened the
- *    instance, one at a time.
+ *  - Unless a comment says otherwise, functions of one instance are called one at a time, not always
+ *    on the same thread; what a module is called for, it is called on the thread of that call.
  */
 #ifndef STRATA_BASE_H
 #define STRATA_BASE_H

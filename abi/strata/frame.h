@@ -89,7 +89,8 @@ typedef struct strata_view {
     strata_draws (*draws)(void *self, const char *slot);
     /* Producers of a slot with an image of their own making (limit/1) hand it over here. */
     strata_result (*publish_image)(void *self, const char *slot, strata_image image);
-    /* The producer of fragments/1 hands it over here; copied. Once a prepare(). */
+    /* The producer of fragments/1 hands it over here; copied. Once in each prepare(); planes of
+     * `records` in this order: StrataKeys, of linked ones StrataLinks, StrataPayload0... */
     strata_result (*publish_fragments)(void *self, const strata_fragments *fragments);
     /* fragments/1 for its consumers, NULL for others; valid until the next prepare(). */
     const strata_fragments *(*fragments)(void *self);
@@ -113,8 +114,9 @@ typedef struct strata_view {
 
 /* ---- record and verify ------------------------------------------------------------------------ */
 
-/* What verify() reports; each at most once a frame, summed over bands by the host (MAX_: largest). */
-/* Of a clip technique the total alone counts: then it is the frame's, with what limit/1 hides. */
+/* What verify() reports; each at most once in a verify(), summed over bands by the host (MAX_: largest).
+ * Who keeps fragments reports them, capture or stream. Of a clip technique the total alone counts: then
+ * it is the frame's, with what limit/1 hides. */
 #define STRATA_REPORT_FRAGMENTS_TOTAL 1u   /* fragments that reached the technique */
 #define STRATA_REPORT_FRAGMENTS_KEPT 2u
 #define STRATA_REPORT_FRAGMENTS_DROPPED 3u /* by design (k) or for want of room */

@@ -76,7 +76,9 @@ typedef struct strata_image_desc {
  * fragment reaches all of them or none, and each tests it against a depth and stencil of its own.
  * Where the fact "selftest.sample_routing" is 0 the device is not so: samples may miss fragments. */
 
-/* A pool is a set of planes (arrays) of one common capacity that only the GPU learns. Its GLSL
+/* Pools are created in prepare(), at most 16 by a technique.
+ *
+ * A pool is a set of planes (arrays) of one common capacity that only the GPU learns. Its GLSL
  * counter block holds { uint needed; uint capacity; }: shaders add to `needed` and write slots below
  * `capacity` only. `needed` is zero when a band starts. After the frame the host compares the two;
  * where more was needed it grows the pool, or splits the frame into bands, and records again.
@@ -229,9 +231,10 @@ typedef struct strata_gpu {
     uint32_t reserved;
     void *self; /* first argument of each function */
 
-    /* Creation: in create() and prepare() only. On failure *out is the zero handle and error() has
-     * one line. OUT_OF_DEVICE_MEMORY, OUT_OF_HOST_MEMORY, INVALID_ARGUMENT, INVALID_STATE; programs
-     * also SHADER, whose line names file and line of the author's source. */
+    /* Creation: in create() and prepare() only, pools in prepare(). On failure *out is the zero handle and error() has
+     * one line. OUT_OF_DEVICE_MEMORY, OUT_OF_HOST_MEMORY, INVALID_ARGUMENT, INVALID_STATE; pools
+     * also OVERFLOW, beyond 16; programs also SHADER, whose line names file and line of the author's
+     * source. */
     strata_result (*buffer_create)(void *self, const strata_buffer_desc *desc, strata_buffer *out);
     strata_result (*image_create)(void *self, const strata_image_desc *desc, strata_image *out);
     strata_result (*pool_create)(void *self, const strata_pool_desc *desc, strata_pool *out);
@@ -244,7 +247,8 @@ typedef struct strata_gpu {
     /* Elements a pool holds now, any time; 0 for an unknown pool. */
     uint64_t (*pool_capacity)(void *self, strata_pool pool);
 
-    /* The first error since the frame began, or since create() or prepare() began; "" if none.
+    /* The first error of a call into the host since create(), prepare(), record() or verify() began,
+     * passes not counted, which are reported when the frame ends; "" if none.
      * Valid until the next call into the host. */
     const char *(*error)(void *self);
 } strata_gpu;

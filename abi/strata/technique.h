@@ -35,7 +35,7 @@ typedef struct strata_slot_use {
     uint32_t struct_size;
     uint32_t use;       /* STRATA_SLOT_* */
     const char *slot;   /* "fragments/1" */
-    uint32_t layouts;   /* fragments/1: bit STRATA_FRAGMENTS_* for each layout read or written */
+    uint32_t layouts;   /* fragments/1: bit STRATA_FRAGMENTS_* for each layout read or written; else 0 */
     uint32_t optional;  /* consumes: 1 = works without (a default stands in) */
 } strata_slot_use;
 
@@ -45,7 +45,7 @@ typedef struct strata_slot_use {
 #define STRATA_DETERMINISM_BIT 0u     /* same bits each run, thread count and submission order */
 #define STRATA_DETERMINISM_BOUNDED 1u /* within the certified bound */
 
-/* What a technique promises; conformance checks each. Promises hold at the presets of knobs that trade
+/* What a technique promises; a sweep checks it against the exact image. Promises hold at the presets of knobs that trade
  * accuracy. Where such a knob is not at its preset, an INT keeps so many of the nearest fragments
  * (STRATA_ORDER_NEAREST instead of EXACT), the CHOICE `mode` folds in another order
  * (STRATA_DETERMINISM_BOUNDED), and `payload` stores at another precision. */
@@ -82,6 +82,11 @@ typedef struct strata_cost_model {
     double per_object;
 } strata_cost_model;
 
+/* Knobs whose names have a meaning to the host, which sets them where the user did not: of a capture
+ * `mode`, a CHOICE of contiguous, linked, as STRATA_FRAGMENTS_* count them; `payload`, a CHOICE of float,
+ * half, unorm8, or the first of them, as STRATA_PAYLOAD_* do. An INT that trades accuracy is how many
+ * fragments of a pixel are kept, 0 = all. */
+
 /* estimate(): memory with these settings. */
 typedef struct strata_cost {
     uint32_t struct_size;
@@ -109,7 +114,8 @@ typedef struct strata_host {
 struct strata_technique {
     uint32_t struct_size;
     uint32_t state_size;  /* bytes the host allocates, zeroed, for each instance; aligned for any type */
-    const char *id;       /* [a-z][a-z0-9_]*, unique among installed techniques; the CLI's name */
+    const char *id;       /* [a-z][a-z0-9_]*, at most 63, unique among installed techniques, not host,
+                             scene or frame; the CLI's name */
     const char *title;
     const char *reference; /* the paper */
     const char *stage;     /* draws, surface, clip, capture, resolve, stream, filter, certificate */
@@ -121,12 +127,16 @@ struct strata_technique {
     const strata_cost_model *cost;
     const char *const *needs;   /* NULL-terminated fact ids that must not be 0, or NULL */
     const char *const *prefers; /* fact ids that open faster paths, or NULL */
-    /* Pure; any state, any thread. Refines bands and pools, never the choice of technique. */
+    /* Pure; any state, any thread. For tools that reckon with memory before there is a device; this
+     * host plans from the note alone. NULL: unknown. */
     strata_result (*estimate)(const strata_scene_stats *stats, const strata_settings *settings,
                               strata_cost *cost);
     strata_result (*create)(void *state, const strata_host *host, const strata_gpu *gpu);
     /* OK or an error. OUT_OF_DEVICE_MEMORY, also for a buffer that a "limit.storage_range" cannot
-     * hold: the host splits the frame into more bands and prepares again. */
+     * hold: the host splits the frame into more bands and prepares again. After another error, of this
+     * or any other call, the technique is left out and the frame planned without it, unless the user
+     * named it; OUT_OF_HOST_MEMORY, OVERFLOW and CANCELLED end the render. What is returned decides,
+     * not an error of a call into the host that the technique made do without. */
     strata_result (*prepare)(void *state, const strata_view *view);
     void (*record)(void *state, const strata_frame *frame);
     /* OK, RETRY (something learned or grown: record again) or an error. NULL = always OK. Pools are

@@ -63,8 +63,7 @@ static strata_result read_technique(const strata_technique *from, const modules_
         result = check_struct(owner, "cost", from->cost, sizeof(strata_cost_model), err);
     if (result != STRATA_OK)
         return result;
-    const char *missing = !from->estimate  ? "estimate"
-                          : !from->create  ? "create"
+    const char *missing = !from->create    ? "create"
                           : !from->prepare ? "prepare"
                           : !from->record  ? "record"
                           : !from->destroy ? "destroy"

@@ -9,6 +9,8 @@
 #include <string.h>
 
 #define TEXT_MAX 4096 /* bytes of a title, a reference, a formula */
+#define LAYOUTS  (1u << STRATA_FRAGMENTS_CONTIGUOUS | 1u << STRATA_FRAGMENTS_LINKED)
+#define FLAGS    (STRATA_EFFECT_SEQUENTIAL | STRATA_EFFECT_AFFINE | STRATA_EFFECT_COVERS)
 
 static int is_lower(char c) {
     return c >= 'a' && c <= 'z';
@@ -109,6 +111,9 @@ static strata_result check_knob(const char *owner, const strata_knob *knob, base
     if (!isfinite(knob->minimum) || !isfinite(knob->maximum) || !isfinite(knob->preset))
         return base_fail(err, STRATA_ERROR_MODULE, "%s: knob %s has a number that is not finite",
                          owner, knob->name);
+    if (knob->trades_accuracy > 1)
+        return base_fail(err, STRATA_ERROR_MODULE, "%s: knob %s: trades_accuracy is 0 or 1", owner,
+                         knob->name);
     if (knob->type == STRATA_KNOB_CHOICE)
         return check_choices(owner, knob, err);
     if (!(knob->minimum <= knob->preset && knob->preset <= knob->maximum))
@@ -132,8 +137,15 @@ static strata_result check_slot(const char *owner, const strata_slot_use *slot, 
     if (slot->use < STRATA_SLOT_CONSUMES || slot->use > STRATA_SLOT_UPDATES)
         return base_fail(err, STRATA_ERROR_MODULE, "%s: slot %s has the unknown use %u", owner,
                          slot->slot, slot->use);
-    if (strcmp(slot->slot, "fragments/1") == 0 && slot->layouts == 0)
+    const int fragments = strcmp(slot->slot, "fragments/1") == 0;
+    if (fragments && slot->layouts == 0)
         return base_fail(err, STRATA_ERROR_MODULE, "%s: slot %s names no layout", owner,
+                         slot->slot);
+    if (slot->layouts & ~(fragments ? LAYOUTS : 0u))
+        return base_fail(err, STRATA_ERROR_MODULE, "%s: slot %s names the unknown layouts 0x%x",
+                         owner, slot->slot, slot->layouts);
+    if (slot->optional > 1)
+        return base_fail(err, STRATA_ERROR_MODULE, "%s: slot %s: optional is 0 or 1", owner,
                          slot->slot);
     return STRATA_OK;
 }
@@ -174,10 +186,43 @@ static strata_result check_promises(const char *owner, const strata_promises *pr
     return check_text(owner, "memory", promises->memory, 0, err);
 }
 
+/* What accounts and settings call the host's own. */
+static strata_result check_reserved_id(const char *id, base_error *err) {
+    static const char *const reserved[] = {"host", "scene", "frame"};
+    for (size_t i = 0; i < BASE_COUNT(reserved); i++)
+        if (strcmp(id, reserved[i]) == 0)
+            return base_fail(err, STRATA_ERROR_MODULE, "%s: no technique may have this id", id);
+    return STRATA_OK;
+}
+
+/* Knobs that the host sets, as technique.h has them: the choices are numbers of the ABI. */
+static strata_result check_reserved_knob(const modules_technique_note *t, const strata_knob *knob,
+                                         base_error *err) {
+    static const char *const layouts[] = {"contiguous", "linked", NULL}, *const payloads[] = {
+                                                                             "float", "half",
+                                                                             "unorm8", NULL};
+    const int is_layout = strcmp(knob->name, "mode") == 0 && strcmp(t->stage, "capture") == 0;
+    const char *const *choices = is_layout                            ? layouts
+                                 : strcmp(knob->name, "payload") == 0 ? payloads
+                                                                      : NULL;
+    if (!choices)
+        return STRATA_OK;
+    uint32_t same = 0;
+    while (knob->type == STRATA_KNOB_CHOICE && choices[same] && knob->choices[same] &&
+           strcmp(choices[same], knob->choices[same]) == 0)
+        same++;
+    if (same == 0 || knob->choices[same])
+        return base_fail(err, STRATA_ERROR_MODULE, "%s: knob %s is a choice of %s, %s%s%s", t->id,
+                         knob->name, choices[0], choices[1], choices[2] ? ", " : "",
+                         choices[2] ? choices[2] : "");
+    return STRATA_OK;
+}
+
 static strata_result check_technique(const modules_technique_note *t, base_error *err) {
     static const char *const stages[] = {"draws",   "surface", "clip",   "capture",
                                          "resolve", "stream",  "filter", "certificate"};
     if (check_id("technique", t->id, "", err) != STRATA_OK ||
+        check_reserved_id(t->id, err) != STRATA_OK ||
         check_text(t->id, "title", t->title, 1, err) != STRATA_OK ||
         check_text(t->id, "reference", t->reference, 0, err) != STRATA_OK ||
         check_text(t->id, "stage", t->stage, 1, err) != STRATA_OK ||
@@ -201,7 +246,8 @@ static strata_result check_technique(const modules_technique_note *t, base_error
                                  t->slots[i]->slot);
     }
     for (uint32_t i = 0; i < t->knob_count; i++) {
-        if (check_knob(t->id, t->knobs[i], err) != STRATA_OK)
+        if (check_knob(t->id, t->knobs[i], err) != STRATA_OK ||
+            check_reserved_knob(t, t->knobs[i], err) != STRATA_OK)
             return STRATA_ERROR_MODULE;
         for (uint32_t j = 0; j < i; j++)
             if (strcmp(t->knobs[i]->name, t->knobs[j]->name) == 0)
@@ -237,6 +283,8 @@ static strata_result check_effect(const modules_effect_note *e, base_error *err)
         check_count(e->id, "need_count", e->need_count, err) != STRATA_OK ||
         check_payload(e, err) != STRATA_OK)
         return STRATA_ERROR_MODULE;
+    if (e->flags & ~FLAGS)
+        return base_fail(err, STRATA_ERROR_MODULE, "%s: unknown flags 0x%x", e->id, e->flags);
     if (e->transmittance_channels != 1 && e->transmittance_channels != 3)
         return base_fail(err, STRATA_ERROR_MODULE, "%s: transmittance_channels is 1 or 3, not %u",
                          e->id, e->transmittance_channels);

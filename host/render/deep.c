@@ -134,10 +134,11 @@ static int by_key(const void *a, const void *b) {
     return left->order < right->order ? -1 : left->order > right->order;
 }
 
-/* Slots of a pixel, in order. Returns their number; a list that is longer than it says ends early.
- */
+/* Slots of a pixel, in order. Returns their number, at most all records; a list that is longer than
+ * it says ends early. */
 static uint32_t sort_pixel(deep_band *band, uint32_t pixel) {
-    const uint32_t count = band->ranges[2 * pixel + 1];
+    const uint32_t said = band->ranges[2 * pixel + 1],
+                   count = said < band->records ? said : band->records;
     uint32_t slot = band->ranges[2 * pixel], found = 0;
     while (found < count && slot < band->records) {
         band->sorted[found++] = (deep_record){.key = band->keys[2 * (size_t)slot],

@@ -20,22 +20,32 @@ typedef enum frame_part {
 
 /* ---- strata_frame: what a technique may do while it records or verifies ---------------------- */
 
+/* Commands are recorded by record() alone. */
+static int may_record(render_technique *t, const char *what) {
+    if (!t->recording)
+        base_fail(&t->error, STRATA_ERROR_INVALID_STATE, "%s outside of record()", what);
+    return t->recording != 0;
+}
+
 static void frame_pass(void *self, const strata_pass *pass) {
-    const render_technique *t = self;
-    gpu_pass(t->session->owner->gpu, t->planned->technique->id, pass);
+    render_technique *t = self;
+    if (may_record(t, "a pass"))
+        gpu_pass(t->session->owner->gpu, t->planned->technique->id, pass);
 }
 
 static void frame_fill(void *self, strata_buffer buffer, uint64_t offset, uint64_t size,
                        uint32_t value) {
-    const render_technique *t = self;
-    gpu_fill(t->session->owner->gpu, t->planned->technique->id, buffer, offset, size, value);
+    render_technique *t = self;
+    if (may_record(t, "a fill"))
+        gpu_fill(t->session->owner->gpu, t->planned->technique->id, buffer, offset, size, value);
 }
 
 static void frame_copy(void *self, strata_buffer to, uint64_t to_offset, strata_buffer from,
                        uint64_t from_offset, uint64_t size) {
-    const render_technique *t = self;
-    gpu_copy(t->session->owner->gpu, t->planned->technique->id, to, to_offset, from, from_offset,
-             size);
+    render_technique *t = self;
+    if (may_record(t, "a copy"))
+        gpu_copy(t->session->owner->gpu, t->planned->technique->id, to, to_offset, from,
+                 from_offset, size);
 }
 
 static strata_result frame_read(void *self, strata_buffer buffer, uint64_t offset, uint64_t size,
@@ -223,8 +233,10 @@ static strata_result verify_techniques(render_session *session, frame_part part,
                 return r;
             if (needed > t->pool_needed[p])
                 t->pool_needed[p] = needed;
-            if (needed > gpu_pool_capacity(g, t->pools[p]))
+            if (needed > gpu_pool_capacity(g, t->pools[p])) {
                 *again = 1;
+                session->again_by = t->planned->technique->id;
+            }
         }
         if (!t->technique->verify)
             continue;
@@ -237,6 +249,7 @@ static strata_result verify_techniques(render_session *session, frame_part part,
             r = t->error.result;
         if (r == STRATA_RETRY) {
             *again = 1;
+            session->again_by = t->planned->technique->id;
         } else if (r != STRATA_OK) {
             *failed = t->planned->technique->id;
             return base_fail(err, r < 0 ? r : STRATA_ERROR_MODULE, "%s: %s", *failed,
@@ -322,11 +335,13 @@ strata_result render_frame(render_session *session, const scene_view *view,
     strata_result r = STRATA_OK;
     int again = 1;
     *failed = NULL;
+    session->again_by = NULL;
     render_room_watch(session, view);
     for (session->attempt = 0; again && r == STRATA_OK; session->attempt++) {
         if (session->attempt == MAX_ATTEMPTS) {
-            r = base_fail(err, STRATA_ERROR_OVERFLOW, "the frame was recorded %u times in vain",
-                          MAX_ATTEMPTS);
+            r = base_fail(err, STRATA_ERROR_OVERFLOW, "the frame was recorded %u times in vain%s%s",
+                          MAX_ATTEMPTS, session->again_by ? ", at last for " : "",
+                          session->again_by ? session->again_by : "");
             break;
         }
         again = 0;

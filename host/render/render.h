@@ -132,6 +132,7 @@ typedef struct render_session {
     uint32_t changed;  /* STRATA_CHANGED_* for it */
     uint64_t frame_index;
     uint32_t attempt;
+    const char *again_by; /* technique for which this frame is recorded again; NULL: none was */
     strata_program deep_program; /* made when the first deep image is asked for */
     strata_buffer deep_elements;
     render_report report;

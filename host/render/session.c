@@ -58,6 +58,8 @@ static strata_result technique_pool(void *self, const strata_pool_desc *desc, st
     render_technique *t = self;
     strata_result r = allowed(t);
     *out = (strata_pool){0};
+    if (r == STRATA_OK && t->scope != t->prepare_scope)
+        r = base_fail(&t->error, STRATA_ERROR_INVALID_STATE, "creates a pool outside prepare()");
     if (r != STRATA_OK)
         return r;
     if (t->pool_count == RENDER_MAX_POOLS)
@@ -275,6 +277,9 @@ static strata_result prepare_technique(render_technique *t) {
     t->scope = t->prepare_scope;
     strata_result r = t->technique->prepare(t->state, &view);
     t->scope = NULL;
+    if (r == STRATA_OK && strcmp(t->planned->technique->stage, "capture") == 0 &&
+        !session->has_fragments)
+        return base_fail(&t->error, STRATA_ERROR_MODULE, "it published no fragments/1");
     return r;
 }
 
@@ -282,9 +287,9 @@ static strata_result prepare_technique(render_technique *t) {
 static strata_result technique_failed(const render_technique *t, const char *call, strata_result r,
                                       const char **failed, base_error *err) {
     *failed = t->planned->technique->id;
-    if (t->error.result != STRATA_OK)
-        return base_fail(err, t->error.result, "%s: %s: %s", t->planned->technique->id, call,
-                         t->error.text);
+    if (t->error.result != STRATA_OK) /* what it returned decides: others it may have handled */
+        return base_fail(err, r < 0 ? r : STRATA_ERROR_MODULE, "%s: %s: %s",
+                         t->planned->technique->id, call, t->error.text);
     if (r == STRATA_ERROR_UNSUPPORTED)
         return base_fail(err, r, "%s: its settings ask for what this device does not have",
                          t->planned->technique->id);
