@@ -32,21 +32,33 @@ static int certifies(const render_session *session) {
     return 1; /* nothing is folded */
 }
 
-/* The largest radiance that leaves a transparent surface, where the scene itself guarantees one:
- * unlit materials under effects that cover. Textures hold at most 1. */
+static int has_negative(const float *values, size_t count, size_t stride) {
+    for (size_t i = 0; values && i < count; ++i)
+        for (size_t c = 0; c < 3; ++c)
+            if (values[i * stride + c] < 0)
+                return 1;
+    return 0;
+}
+
+/* The largest radiance that leaves a transparent surface, where the scene itself guarantees one,
+ * and none below 0: unlit materials under effects that cover. Textures hold at most 1. */
 static float radiance(const render_session *session) {
     const scene *sc = session->scene;
     float largest = 0, colors = 1;
-    for (uint32_t i = 0; i < sc->mesh_count; ++i)
+    for (uint32_t i = 0; i < sc->mesh_count; ++i) {
+        if (has_negative(sc->meshes[i].colors, sc->meshes[i].vertex_count, 4))
+            return 3.4e38f;
         for (uint32_t k = 0; sc->meshes[i].colors && k < sc->meshes[i].vertex_count; ++k)
             for (int c = 0; c < 3; ++c)
                 colors = fmaxf(colors, sc->meshes[i].colors[4 * (size_t)k + (size_t)c]);
+    }
     for (uint32_t i = 0; i < sc->material_count; ++i) {
         const scene_material *m = &sc->materials[i];
         const plan_effect *effect = plan_material_effect(session->plan, m);
         if (!effect)
             continue;
-        if (!m->unlit || !(effect->effect->flags & STRATA_EFFECT_COVERS))
+        if (!m->unlit || !(effect->effect->flags & STRATA_EFFECT_COVERS) ||
+            has_negative(m->base_color, 1, 4))
             return 3.4e38f;
         for (int c = 0; c < 3; ++c)
             largest = fmaxf(largest, m->base_color[c]);

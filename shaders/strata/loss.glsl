@@ -71,8 +71,10 @@ void strata_lose_within(uint pixel, StrataElement e, StrataWithin within) {
 #if STRATA_CHANNELS == 3
     if (!(within.least.a > -0.001 && size.a < 1.001))
         flags |= STRATA_LOSS_ODD;
+    // An alpha that is more than the mean of what is hidden is hidden, too: see bound.glsl.
+    float more = max(size.a - (high.r + high.g + high.b) * 0.3333333, 0.0) * STRATA_OUTWARD;
     for (uint c = 0u; c < 3u; ++c)
-        strata_lose_through(at + 7u + c, high[c], flags);
+        strata_lose_through(at + 7u + c, high[c] + more, flags);
 #else
     if (!within.covers)
         flags |= STRATA_LOSS_ODD;

@@ -249,18 +249,34 @@ static void check_rotation(strata *instance, const scene_hard_case *k) {
 /* ---- the oracles ------------------------------------------------------------------------------
  */
 
+/* With the cases that have pixels without a certificate: colours beyond what the payload can hold.
+ */
 static const struct {
     const char *use, *settings[3];
     uint32_t bands;
+    const char *open[5];
 } certified[] = {
-    {"abuffer,ppc", {"abuffer.payload=float"}, 0},
-    {"abuffer,ppc", {"abuffer.mode=linked", "abuffer.payload=half"}, 3},
-    {"abuffer,ppc", {"abuffer.payload=unorm8"}, 0},
-    {"abuffer,fpc", {"fpc.mode=fragments"}, 0},
-    {"abuffer,fpc", {"fpc.mode=hybrid"}, 2},
-    {"kplus,ppc", {"kplus.k=4"}, 0},
-    {"peel", {"peel.layers=3"}, 0},
+    {"abuffer,ppc", {"abuffer.payload=float"}, 0, {NULL}},
+    {"abuffer,ppc",
+     {"abuffer.mode=linked", "abuffer.payload=half"},
+     3,
+     {"hdr-million", "alpha-next-to-1"}},
+    {"abuffer,ppc",
+     {"abuffer.payload=unorm8"},
+     0,
+     {"hdr-65504", "hdr-million", "negative", "alpha-next-to-1"}},
+    {"abuffer,fpc", {"fpc.mode=fragments"}, 0, {NULL}},
+    {"abuffer,fpc", {"fpc.mode=hybrid"}, 2, {NULL}},
+    {"kplus,ppc", {"kplus.k=4"}, 0, {NULL}},
+    {"peel", {"peel.layers=3"}, 0, {NULL}},
 };
+
+static int may_be_open(size_t at, const char *name) {
+    for (size_t i = 0; certified[at].open[i]; i++)
+        if (strstr(name, certified[at].open[i]))
+            return 1;
+    return 0;
+}
 
 /* The second backend does the same arithmetic; it gets every other one. */
 static void check_fold(strata *instance, strata_scene *sc, const scene_hard_case *k, size_t step) {
@@ -273,8 +289,9 @@ static void check_fold(strata *instance, strata_scene *sc, const scene_hard_case
         oracle_certify(instance, sc, &frame, certified[i].use, certified[i].settings,
                        certified[i].bands);
         oracle_tally tally = oracle_hold(instance, &exact, what);
-        if (i == 0) /* nothing is open where nothing was left out */
-            assert_int_equal(tally.uncertified, 0);
+        if ((tally.uncertified > 0) != may_be_open(i, k->name))
+            fail_msg("%s: %llu pixels have no certificate", what,
+                     (unsigned long long)tally.uncertified);
         oracle_tally_free(&tally);
     }
     oracle_exact_free(&exact);
@@ -287,6 +304,8 @@ static void check_rays(strata *instance, strata_scene *sc, const scene_hard_case
     oracle_capture_frame(instance, sc, &frame, &c);
     oracle_judge(&c, &v);
     oracle_capture_free(&c);
+    if (v.judged == 0 && v.edge + v.hidden_or_not > 0)
+        fail_msg("%s on %s: no fragment could be judged", k->name, instance->backend);
     if (v.missing + v.surplus + v.misplaced + v.disordered + v.opaque_wrong + v.seam_wrong)
         fail_msg("%s on %s: %llu missing, %llu surplus, %llu misplaced, %llu disordered, %llu "
                  "opaque depths, %llu seams; first: %s",

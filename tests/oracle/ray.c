@@ -348,10 +348,20 @@ static int against_plane(const oracle_shape *s, double distance, double toleranc
     return distance < -grid ? 1 : distance > grid ? -1 : 0;
 }
 
+/* Two corners that are one point give no area, wherever they are snapped to. */
+static int has_point_twice(const oracle_shape *s) {
+    int twice = 0;
+    for (int k = 0; k < 3; k++)
+        twice |= memcmp(s->corner[k], s->corner[(k + 1) % 3], sizeof s->corner[k]) == 0;
+    return twice;
+}
+
 oracle_hit oracle_cast(const oracle_shape *s, double x, double y) {
     oracle_hit hit = {.cover = ORACLE_OUTSIDE};
     double b[3];
     if (!s->exists || x < s->box[0] || y < s->box[1] || x > s->box[2] || y > s->box[3])
+        return hit;
+    if (has_point_twice(s))
         return hit;
     if (s->height == 0)
         return (oracle_hit){.cover = ORACLE_EDGE, .edges = 7, .tolerance = 1};
