@@ -17,7 +17,7 @@ enum { KEY_REPEAT = 512, KEY_RESUME, KEY_ALSO, KEY_ONLY, KEY_ALL };
 static const struct argp_option options[] = {
     {.doc = "What comes out:", .group = 1},
     {"output", 'o', "DIR", 0, "A folder for results.json, report.html and pictures; sweep", 1},
-    {"repeat", KEY_REPEAT, "N", 0, "Frames measured of each configuration; 12", 1},
+    {"repeat", KEY_REPEAT, "N", 0, "Frames measured of each configuration that may matter; 12", 1},
     {"resume", KEY_RESUME, NULL, 0, "Go on with the sweep that DIR holds", 1},
     {"also", KEY_ALSO, "SCENE|WxH", 0,
      "Measure another scene, or the first one at another size, too: how costs grow. May be "

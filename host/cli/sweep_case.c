@@ -291,6 +291,13 @@ static double first_visit(const json_t *c) {
     return sweep_median(values, count);
 }
 
+/* How much slower the device was at the first visit of one than at that of another. */
+static double slower_at(const json_t *one, const json_t *other) {
+    const double pace = json_number_value(json_array_get(cli_array(one, "pace_ms"), 0)),
+                 theirs = json_number_value(json_array_get(cli_array(other, "pace_ms"), 0));
+    return pace > 0 && theirs > 0 ? pace / theirs : 1;
+}
+
 /* Whether another is much faster, and no less accurate. */
 static int is_far(const json_t *list, const json_t *c) {
     const double ms = first_visit(c), measured = sweep_measured(c), certified = sweep_certified(c);
@@ -300,7 +307,8 @@ static int is_far(const json_t *list, const json_t *c) {
         return 0; /* the plan's own choice is what the others are beside */
     json_array_foreach(list, i, other) {
         const double theirs = first_visit(other);
-        if (theirs > 0 && ms > SWEEP_FAR * theirs && sweep_measured(other) <= measured &&
+        if (is_open(other) && strcmp(cli_get(other, "name"), "floor") != 0 && theirs > 0 &&
+            ms > SWEEP_FAR * theirs * slower_at(c, other) && sweep_measured(other) <= measured &&
             sweep_certified(other) <= certified)
             return 1;
     }

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#define LOW 0.95 /* of the target: from there to BUDGET_NEAR a level is settled for */
+#define LOW 0.93 /* of the target: from there to BUDGET_NEAR a level is settled for */
 
 /* Of the target: a frame that takes so much longer is believed at once, others twice, for what
  * disturbs one may double it; and one that takes so much less, others three times: two may be fast
@@ -147,7 +147,11 @@ int budget_measure(budget_rule *r, double ms) {
     if (r->settled_ms > 0.0) {
         if (stays(r))
             return try_more(r);
-        r->settled_ms = r->fits = r->misses = r->other = r->barred = 0.0; /* the scene is another */
+        /* The scene is another; a little faster alone does not bring the next level within reach.
+         */
+        if (ms > r->target || ms * OTHER < r->settled_ms || r->misses != r->level + 1.0)
+            r->fits = r->misses = r->other = r->barred = 0.0;
+        r->settled_ms = 0.0;
         r->frames = 1;
     }
     if (r->trying && r->frames < SURE && r->ms <= BUDGET_MET * r->target)
@@ -192,7 +196,7 @@ void budget_planned(budget_watch *w, const budget_rule *rule, double exact) {
     if (!rule)
         return;
     w->rule = *rule;
-    if (exact > 0.0 && !w->late && !w->retried)
+    if (exact > 0.0 && !w->late && !w->retried && w->replans < MOST_REPLANS)
         w->rule.maximum = fmin(fmax(exact, rule->level), rule->maximum);
 }
 
@@ -269,8 +273,9 @@ static budget_step follow_turned(budget_watch *w) {
     w->least_late |= w->stuck;
     if (w->stuck)
         return replan(w); /* with others there may be room for more */
-    if (rule->level >= rule->maximum && w->ms <= w->asked && !w->late && !w->retried) {
-        w->retried = 1; /* there is nothing more to keep: exact ways may be as fast */
+    if (rule->level >= rule->maximum && rule->settled_ms > 0.0 && rule->settled_ms <= w->asked &&
+        !w->late && !w->retried) {
+        w->retried = 1; /* exact ways may be as fast as more, or there is no more */
         return replan(w);
     }
     return BUDGET_STAYS;

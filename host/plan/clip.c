@@ -172,4 +172,5 @@ void plan_settle_clip(plan_work *w) {
     holder->cost = plan_cost(w, holder, some, kept) * (whole > 0.0 ? holder->cost / whole : 1.0);
     if (p->turned && p->turned_most > p->turned_least)
         p->turned_each = fmax(p->turned_each + slope(w, holder, some) - slope(w, holder, all), 0.0);
+    p->turned_exact = 0.0; /* of what is not clipped */
 }

@@ -17,7 +17,7 @@ typedef struct plan_search {
     uint32_t ways;                     /* that were open to the choice */
     int within;                        /* 1: of a budget */
     double room;
-    plan_way exact;             /* the cheapest that keeps all, whether it fits or not */
+    plan_way exact;             /* what would be taken without the budget, where that keeps all */
     plan_way fitting, cheapest; /* the best that fits; what comes closest */
     int alike;                  /* 1: that keeps all, and hardly takes longer than the fastest */
 } plan_search;

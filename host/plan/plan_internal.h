@@ -129,7 +129,7 @@ double plan_alike(double fastest, double room);
  * that is what they are set to. */
 int plan_fit_way(const plan_work *w, plan_way *candidate, double room);
 /* Sets the way's holder to what it keeps and how it stores it, and notes what is turned. exact: the
- * cheapest way that keeps all, fold NULL: there is none. */
+ * way that keeps all and would be taken without the budget, fold NULL: there is none. */
 void plan_settle_budget(plan_work *w, const plan_way *chosen, const plan_way *exact);
 void plan_explain_budget(plan_work *w, const plan_way *chosen);
 

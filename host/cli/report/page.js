@@ -273,7 +273,7 @@ function machineSection() {
   const device = results.device || {}, machine = results.machine || {}, request = results.request || {};
   const facts = [['device', device.name], ['backend', device.backend], ['driver', device.driver],
     ['processor', `${machine.processor}, ${machine.cores} cores`], ['system', machine.system],
-    ['Strata', results.strata], ['samples', request.samples], ['frames', `${request.frames} of each configuration, the camera turned by a degree a frame; medians`]];
+    ['Strata', results.strata], ['samples', request.samples], ['frames', `${request.frames} of each configuration that may matter, the camera turned by a degree a frame; medians`]];
   return [element('h2', {}, 'Machine and driver'), element('dl', {}, ...facts.flatMap(([name, value]) =>
     [element('dt', {}, name), element('dd', {}, String(value ?? '\u2013'))]))];
 }
