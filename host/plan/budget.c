@@ -226,6 +226,17 @@ double budget_lasting(const budget_watch *w) {
     return w->judged > 2 ? second : least;
 }
 
+double budget_typical(const budget_watch *w) {
+    double sorted[BUDGET_RECENT] = {0};
+    for (uint32_t i = 0; i < w->judged; i++) {
+        uint32_t at = i;
+        for (; at > 0 && sorted[at - 1] > w->recent[i]; at--)
+            sorted[at] = sorted[at - 1];
+        sorted[at] = w->recent[i];
+    }
+    return w->judged > 0 ? 0.5 * (sorted[(w->judged - 1) / 2] + sorted[w->judged / 2]) : 0.0;
+}
+
 /* The fewer frames there are the less is believed: the first ones of a plan are slower than those
  * to come, by a quarter at times. */
 static int is_late(const budget_watch *w) {

@@ -74,6 +74,8 @@ void budget_take(budget_watch *watch, double ms);
 /* What frames take: the second fastest of the recent ones, of two or one the fastest, for what
  * disturbs a frame makes it slower, never faster. */
 double budget_lasting(const budget_watch *watch);
+/* Their median, for what is expected of other plans by them: no slow one and no fast one decides. */
+double budget_typical(const budget_watch *watch);
 /* What follows from the frame that was taken last, with records of that STRATA_PAYLOAD_*. */
 budget_step budget_follow(budget_watch *watch, uint32_t payload);
 

@@ -122,7 +122,7 @@ static strata_result learn(strata *s, const render_figures *figures, base_error 
 static strata_result plan_again(strata *s, base_error *err) {
     render_budget *b = &s->budget;
     const plan *p = s->session->plan;
-    const double ms = budget_lasting(&b->watch) - b->beside, pace = pace_of(b);
+    const double ms = budget_typical(&b->watch) - b->beside, pace = pace_of(b);
     b->replan = 1;
     strata_result r = b->costs.techniques ? render_costs_fit(s, &b->costs, err) : STRATA_OK;
     if (!(b->costs.ns > 0) || render_knows_frame(s))

@@ -10,14 +10,15 @@ it measures, interleaved, each in a process of its own with the camera turned by
 * --budget, for several shares of the fastest exact time, which is measured anew before each: whether it is
   met within 15 % after at most ten frames, by all of them and by those with the setting that most of the last
   plan's last frames had, and what is certified with that, beside the best that the sweep knows for so much time. Those of
-  its configurations that nothing else beats in both time and certificate are measured again for that, right
+  its configurations that nothing else beats in both time and certificate the five around the budget, three of
+  them below it, if there are as many, are measured again for that, right
   after, in two rounds, interleaved with what the plan ended with: as much as that is slower or faster then than
   it was in the sequence (`pace`), so are they. Null where none of them is in time in both rounds, itself without
   those 15 %: the budget may be more than the device can meet.
 
 What the processors lost to other machines on the same host, where Linux says so, is the share `stolen`: what
 is measured while that is more than 2 % is measured again, up to ten times, and the least disturbed is taken.
-A budget whose `pace` is 1.2 or more, or its inverse, is asked for again, up to four times: `doubted` has those.
+A budget whose `pace` is 1.2 or more, or its inverse, is asked for again, up to three times: `doubted` has those.
 
 Prints JSON; the ratios are what counts.
 """
@@ -36,7 +37,8 @@ BUDGET_FRAMES, SETTLED, LAST = 28, 10, 8
 SHARES = (1.3, 0.9, 0.8, 0.7, 0.6, 0.5, 0.35, 0.25)
 WITHIN = 1.15
 STOLEN, TRIES = 0.02, 10
-PACE, BUDGETS = 1.2, 4
+PACE, BUDGETS = 1.2, 3
+BELOW, ABOVE = 3, 2  # points around a budget
 
 
 def processors():
@@ -130,6 +132,12 @@ def front(certified):
     return points
 
 
+def around(points, ms):
+    """Of a front the points next to a time, in the sweep's own pace."""
+    at = sum(c["ms"] <= ms for c in points)
+    return [c for c in points[max(at - BELOW, 0):at + ABOVE] if c["ms"] <= 2 * ms]
+
+
 def settings_of(account, value):
     """With `value` for what the budget turns."""
     turned = account["budget"]["technique"], account["budget"]["knob"]
@@ -205,8 +213,8 @@ def main():
         tolerance |= {"chosen": chosen(account), "status": account["status"], "certified": largest_bound(account)}
         reference = command_of(next(c for c in exact if c["name"] == plan["fastest"]))
         points = front(certified)
-        budgets = [believed(strata, own, reference, share, points) for share in SHARES
-                   if points and points[0]["ms"] <= share * exact[0]["ms"]]
+        budgets = [believed(strata, own, reference, share, around(points, share * exact[0]["ms"]))
+                   for share in SHARES if points and points[0]["ms"] <= share * exact[0]["ms"]]
     text = json.dumps({"scene": one["scene"], "size": one["size"], "device": results["device"], "plan": plan,
                        "tolerance": tolerance, "budgets": budgets}, indent=1)
     print(text)

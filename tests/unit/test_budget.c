@@ -412,6 +412,18 @@ static void what_is_met_is_the_mean_of_four(void **state) {
     }
 }
 
+/* Of one to four frames, and of five the last four. */
+static void what_is_typical_is_the_median(void **state) {
+    (void)state;
+    const double ms[] = {30, 10, 20, 60, 15}, median[] = {30, 20, 20, 25, 17.5};
+    budget_watch w = {.asked = 20};
+    assert_true(budget_typical(&w) == 0);
+    for (size_t i = 0; i < sizeof ms / sizeof *ms; i++) {
+        budget_take(&w, ms[i]);
+        assert_true(fabs(budget_typical(&w) - median[i]) < 1e-9);
+    }
+}
+
 static budget_watch turning(double level, double most) {
     const budget_rule rule = budget_begin(100, 1, most, level, 0);
     budget_watch w = {.asked = 100};
@@ -606,6 +618,7 @@ int main(void) {
         cmocka_unit_test(tries_are_no_leaps),
         cmocka_unit_test(a_plan_is_given_up_for_lasting_lateness),
         cmocka_unit_test(what_is_met_is_the_mean_of_four),
+        cmocka_unit_test(what_is_typical_is_the_median),
         cmocka_unit_test(a_knob_that_must_give_much_wants_a_plan),
         cmocka_unit_test(room_for_much_more_wants_a_plan),
         cmocka_unit_test(what_was_late_is_weighed_again),
