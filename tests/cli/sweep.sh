@@ -191,7 +191,7 @@ STRATA_CACHE_DIR=$folder/paced
 run "$@" -o two --resume
 STRATA_CACHE_DIR=$folder/cache
 [ "$status" -eq 0 ] && [ "$(member 2 'rounds/#')" = 1 ] && [ "$(member 1 pace_ms/0)" = 100000 ] &&
-    grep -Eq '"ms":[0-9]{6}' paced/costs/*.json
+    grep -Eq '"ms":[0-9]{4}' paced/costs/*.json
 verdict 'what is learnt is in the usual pace'
 lose_third 100000 1
 run "$@" -o two --resume
