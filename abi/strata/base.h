@@ -8,7 +8,7 @@
  *    Structs grow only at their end. A reader uses the smaller of the sender's and its own size and
  *    takes what is missing as zero; zero is a sensible default everywhere. Members that a reader does
  *    not know and that are not zero it refuses, INVALID_ARGUMENT: nothing is ignored in silence.
- *    No struct is shorter than in ABI 1.0: that is refused, too. Handles, which are one number, and
+ *    No struct is shorter than in ABI 1.0, and one that is may be refused. Handles, which are one number, and
  *    strata_glsl never grow and have no struct_size.
  *  - Arrays of structs are arrays of pointers, or stand beside the bytes from one element to the next
  *    (the binds and attachments of a pass); nothing that may grow is embedded by value.

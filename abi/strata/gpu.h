@@ -8,8 +8,8 @@
  * counter-clockwise, the first vertex is the provoking one.
  *
  * Lifetimes are scopes. What a technique creates in its create() lives until its destroy(); what it
- * creates in prepare() dies before its next prepare() or its destroy(); creation anywhere else is
- * STRATA_ERROR_INVALID_STATE. Nothing is freed by hand. Handles are small integers, never reused
+ * creates in prepare() dies before its next prepare() or its destroy(); creation anywhere else, and
+ * of pools in create(), is STRATA_ERROR_INVALID_STATE. Nothing is freed by hand. Handles are small integers, never reused
  * within an instance; id 0 is no object.
  *
  * Barriers are derived by the host from the qualifiers of the GLSL (readonly, writeonly) and from
@@ -76,13 +76,11 @@ typedef struct strata_image_desc {
  * fragment reaches all of them or none, and each tests it against a depth and stencil of its own.
  * Where the fact "selftest.sample_routing" is 0 the device is not so: samples may miss fragments. */
 
-/* Pools are created in prepare(), at most 16 by a technique.
- *
- * A pool is a set of planes (arrays) of one common capacity that only the GPU learns. Its GLSL
+/* A pool is a set of planes (arrays) of one common capacity that only the GPU learns. Its GLSL
  * counter block holds { uint needed; uint capacity; }: shaders add to `needed` and write slots below
  * `capacity` only. `needed` is zero when a band starts. After the frame the host compares the two;
  * where more was needed it grows the pool, or splits the frame into bands, and records again.
- * Contents are undefined when a frame starts. */
+ * Contents are undefined when a frame starts. A technique has at most 16 of them. */
 #define STRATA_MAX_PLANES 8
 typedef struct strata_pool_desc {
     uint32_t struct_size;
@@ -231,10 +229,10 @@ typedef struct strata_gpu {
     uint32_t reserved;
     void *self; /* first argument of each function */
 
-    /* Creation: in create() and prepare() only, pools in prepare(). On failure *out is the zero handle and error() has
-     * one line. OUT_OF_DEVICE_MEMORY, OUT_OF_HOST_MEMORY, INVALID_ARGUMENT, INVALID_STATE; pools
-     * also OVERFLOW, beyond 16; programs also SHADER, whose line names file and line of the author's
-     * source. */
+    /* Creation: in create() and prepare() only, pools in prepare(). On failure *out is the zero
+     * handle and error() has one line. OUT_OF_DEVICE_MEMORY, OUT_OF_HOST_MEMORY, INVALID_ARGUMENT,
+     * INVALID_STATE; pools also OVERFLOW, beyond 16; programs also SHADER, whose line names file and
+     * line of the author's source. */
     strata_result (*buffer_create)(void *self, const strata_buffer_desc *desc, strata_buffer *out);
     strata_result (*image_create)(void *self, const strata_image_desc *desc, strata_image *out);
     strata_result (*pool_create)(void *self, const strata_pool_desc *desc, strata_pool *out);

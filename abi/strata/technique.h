@@ -45,8 +45,8 @@ typedef struct strata_slot_use {
 #define STRATA_DETERMINISM_BIT 0u     /* same bits each run, thread count and submission order */
 #define STRATA_DETERMINISM_BOUNDED 1u /* within the certified bound */
 
-/* What a technique promises; a sweep checks it against the exact image. Promises hold at the presets of knobs that trade
- * accuracy. Where such a knob is not at its preset, an INT keeps so many of the nearest fragments
+/* What a technique promises; a sweep checks it against the exact image. Promises hold at the presets
+ * of knobs that trade accuracy. Where such a knob is not at its preset, an INT keeps so many of the nearest fragments
  * (STRATA_ORDER_NEAREST instead of EXACT), the CHOICE `mode` folds in another order
  * (STRATA_DETERMINISM_BOUNDED), and `payload` stores at another precision. */
 typedef struct strata_promises {

@@ -121,11 +121,7 @@ static const void *technique_extension(void *self, const char *id) {
 /* ---- strata_view ----------------------------------------------------------------------------- */
 
 static int names_slot(const render_technique *t, const char *slot, uint32_t use) {
-    for (uint32_t i = 0; i < t->technique->slot_count; ++i)
-        if (strcmp(t->technique->slots[i]->slot, slot) == 0 &&
-            (use == 0 || t->technique->slots[i]->use == use))
-            return 1;
-    return 0;
+    return modules_slot(t->planned->technique, slot, use) != NULL;
 }
 
 static strata_image view_image(void *self, const char *slot) {

@@ -11,8 +11,7 @@ it measures, interleaved, each in a process of its own with the camera turned by
   met within 15 % after at most ten frames, by all of them and by those with the setting that most of the last
   plan's last frames had, and what is certified with that, beside the best that the sweep knows for so much time. Those of
   its configurations that nothing else beats in both time and certificate the five around the budget, three of
-  them below it, if there are as many, are measured again for that, right
-  after, in two rounds, interleaved with what the plan ended with: as much as that is slower or faster then than
+  them below it, if there are as many, are measured again for that, right after, in two rounds, interleaved with what the plan ended with: as much as that is slower or faster then than
   it was in the sequence (`pace`), so are they. Null where none of them is in time in both rounds, itself without
   those 15 %: the budget may be more than the device can meet.
 
